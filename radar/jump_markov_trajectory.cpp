@@ -1,0 +1,69 @@
+#include "radar/jump_markov_trajectory.hpp"
+
+#include <cmath>
+#include <utility>
+
+namespace dwell {
+namespace {
+
+State rotate_velocity(const State& x, double angle_rad, double dt_s) {
+  const double s = std::sin(angle_rad);
+  const double c = std::cos(angle_rad);
+  const Vector2 v = velocity(x);
+  const Vector2 left(-v.y(), v.x());
+  const Vector2 along = dt_s / angle_rad * (s * v + (1.0 - c) * left);
+  return make_state(position(x) + along, c * v + s * left);
+}
+
+}  // namespace
+
+int draw_index(const Eigen::Ref<const Eigen::RowVectorXd>& probability, RandomStream& stream) {
+  double left = stream.uniform();
+  int index = 0;
+  for (; index + 1 < probability.size(); ++index) {
+    left -= probability[index];
+    if (left < 0.0) break;
+  }
+  return index;
+}
+
+JumpMarkovTrajectory::JumpMarkovTrajectory(JumpMarkovSystem system, JumpMarkovScript script, RandomStream stream)
+    : system_(std::move(system)),
+      script_(std::move(script)),
+      stream_(stream),
+      state_(script_.initial),
+      mode_(script_.initial_mode),
+      now_(script_.start) {}
+
+std::optional<State> JumpMarkovTrajectory::advance(TimePoint time) {
+  if (time < script_.start || time > script_.end) return std::nullopt;
+  for (; now_ < time; now_ += script_.scan_period) step();
+  return state_;
+}
+
+void JumpMarkovTrajectory::step() {
+  mode_ = draw_index(system_.transition.row(mode_), stream_);
+  State draw;
+  for (double& value : draw) value = stream_.normal();
+  if (const auto rate = turn_back_rate()) {
+    const double dt_s = to_seconds(script_.scan_period);
+    state_ = rotate_velocity(state_, *rate * dt_s, dt_s);
+    return;
+  }
+  const auto mode = static_cast<std::size_t>(mode_);
+  state_ = system_.transition_matrix[mode] * state_ + system_.process_noise_root[mode] * draw;
+}
+
+/// The turn rate (counter-clockwise positive) while the target is outside its area and not yet heading within 60
+/// degrees of the centre; empty otherwise.
+std::optional<double> JumpMarkovTrajectory::turn_back_rate() const {
+  if (!script_.area) return std::nullopt;
+  const Vector2 inward = script_.area->centre_m - position(state_);
+  const Vector2 v = velocity(state_);
+  const bool homing = inward.dot(v) > 0.5 * inward.norm() * v.norm();
+  if (inward.norm() <= script_.area->radius_m || homing) return std::nullopt;
+  const double cross = v.x() * inward.y() - v.y() * inward.x();
+  return cross >= 0.0 ? script_.area->turn_rate_radps : -script_.area->turn_rate_radps;
+}
+
+}  // namespace dwell
