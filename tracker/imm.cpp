@@ -1,0 +1,85 @@
+#include "tracker/imm.hpp"
+
+#include <cmath>
+
+#include "radar/assert.hpp"
+
+namespace dwell {
+namespace {
+
+/// The moment-matched Gaussian of the modes with weights w(i) summing to one.
+template <class Weight>
+Gaussian moment_match(const std::vector<Gaussian>& modes, const Weight& weight) {
+  Gaussian matched;
+  for (std::size_t i = 0; i < modes.size(); ++i) matched.mean += weight(i) * modes[i].mean;
+  for (std::size_t i = 0; i < modes.size(); ++i) {
+    const State spread = modes[i].mean - matched.mean;
+    matched.covariance += weight(i) * (modes[i].covariance + spread * spread.transpose());
+  }
+  return matched;
+}
+
+bool is_finite(const Gaussian& gaussian) { return gaussian.mean.allFinite() && gaussian.covariance.allFinite(); }
+
+}  // namespace
+
+ImmEstimate make_estimate(const Gaussian& belief, const Eigen::VectorXd& probability) {
+  return {std::vector<Gaussian>(static_cast<std::size_t>(probability.size()), belief), probability};
+}
+
+Numerics predict(const DiscreteBank& bank, const ImmEstimate& estimate, ImmEstimate& predicted) {
+  const int count = estimate.size();
+  DWELL_ASSERT(bank.size() == count && &estimate != &predicted);
+  predicted.modes.resize(estimate.modes.size());
+  predicted.probability.resize(count);
+  for (int j = 0; j < count; ++j) {
+    const double c = estimate.probability.dot(bank.transition.col(j));
+    const auto weight = [&](std::size_t i) {
+      const auto index = static_cast<Eigen::Index>(i);
+      return estimate.probability[index] * bank.transition(index, j) / c;
+    };
+    const Gaussian mixed = c > 0.0 ? moment_match(estimate.modes, weight) : estimate.modes[j];
+    const StateMatrix& f = bank.f[j];
+    Gaussian& mode = predicted.modes[j];
+    mode.mean = f * mixed.mean;
+    mode.covariance = symmetric_part(f * mixed.covariance * f.transpose() + bank.q[j]);
+    predicted.probability[j] = c;
+    if (!is_finite(mode) || !std::isfinite(c)) return Numerics::kNotFinite;
+  }
+  return Numerics::kOk;
+}
+
+Numerics update(std::span<const PredictedMeasurement> predicted, std::span<const Vector2> innovation,
+                ImmEstimate& estimate) {
+  constexpr int kMostOnStack = 16;
+  using Weights = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostOnStack, 1>;
+  const int count = estimate.size();
+  DWELL_ASSERT(std::ssize(predicted) == count && std::ssize(innovation) == count && count <= kMostOnStack);
+  Weights log_weight(count);
+  for (int j = 0; j < count; ++j) {
+    log_weight[j] = std::log(estimate.probability[j]) + predicted[j].log_likelihood(innovation[j]);
+  }
+  const double largest = log_weight.maxCoeff<Eigen::PropagateNaN>();
+  if (!std::isfinite(largest)) return Numerics::kNotFinite;
+  Weights weight = (log_weight.array() - largest).exp();
+  weight /= weight.sum();
+  for (int j = 0; j < count; ++j) {
+    // The innovation is finite in every mode once the likelihoods are, and with it the update.
+    estimate.modes[j] = kalman_update(estimate.modes[j], predicted[j], innovation[j]);
+    estimate.probability[j] = weight[j];
+  }
+  return Numerics::kOk;
+}
+
+Gaussian combine(const ImmEstimate& estimate) {
+  return moment_match(estimate.modes,
+                      [&](std::size_t i) { return estimate.probability[static_cast<Eigen::Index>(i)]; });
+}
+
+State combined_mean(const ImmEstimate& estimate) {
+  State mean = State::Zero();
+  for (int j = 0; j < estimate.size(); ++j) mean += estimate.probability[j] * estimate.modes[j].mean;
+  return mean;
+}
+
+}  // namespace dwell

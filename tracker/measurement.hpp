@@ -1,0 +1,37 @@
+#pragma once
+
+#include <vector>
+
+#include "tracker/imm.hpp"
+
+namespace dwell {
+
+/// How a plot meets the state.
+enum class UpdateForm {
+  kEkf,        ///< in the sensor's own measurement, h linearised at each mode's mean
+  kConverted,  ///< plot turned into x and y, covariance D D' (see below); other sensors as kEkf
+};
+
+/// Predicted measurement of a sensor for every mode of a predicted estimate.
+///
+/// R is the sensor's at the mode-weighted predicted position x, the same for every mode.
+///   kEkf         z_j = h(x_j), H_j = dh/dx at x_j
+///   kConverted   z_j = (x, y) of x_j, R = G R_polar G' with G = (d(range, azimuth)/d(x, y))^-1 at x: the D D' of
+///                Evans et al. (2005), V. It neglects the bias of the conversion, sigma_azimuth^2 R / 2 in range:
+///                0.3 m at 100 km and 0.14 deg.
+/// `out` is resized to the number of modes; no allocation when it has that size.
+/// Errors   kNotPositiveDefinite.
+Numerics predict_measurements(const Sensor& sensor, UpdateForm form, const ImmEstimate& predicted,
+                              std::vector<PredictedMeasurement>& out);
+
+/// The plot's measurement in the space of `predict_measurements`.
+Vector2 measurement_of(const Sensor& sensor, UpdateForm form, const Vector2& z);
+
+/// z - predicted in that space; bearings the short way round.
+Vector2 innovation(const Sensor& sensor, UpdateForm form, const Vector2& z, const Vector2& predicted);
+
+/// The moment-matched innovation's squared distance: NIS, 2 degrees of freedom.
+double mixture_squared_distance(const std::vector<PredictedMeasurement>& predicted,
+                                const Eigen::VectorXd& probability, const std::vector<Vector2>& innovation);
+
+}  // namespace dwell

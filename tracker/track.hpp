@@ -1,0 +1,47 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "radar/ids.hpp"
+#include "radar/time.hpp"
+#include "tracker/imm.hpp"
+
+namespace dwell {
+
+enum class TrackStatus {
+  kConfirmed,
+  kCoasting,  ///< the last look gave no plot in the gate
+  kLost,      ///< given up; never updated again
+};
+
+enum class LossCause {
+  kNoPlots,    ///< so many looks without a plot in the gate are not to be believed of a live target
+  kFromTruth,  ///< simulation only: the truth stayed far from the prediction
+  kNumerics,   ///< the filter's numbers failed
+};
+
+/// Belief about one target.
+struct Track {
+  TrackId id;
+  std::string name;
+  double weight = 1.0;          ///< multiplies its cost in every policy
+  ImmEstimate estimate;         ///< at the last scan: predicted, and updated where a look gave a plot
+  Gaussian combined;            ///< moment-matched estimate
+  TrackStatus status = TrackStatus::kConfirmed;
+  std::optional<LossCause> loss;
+  int age_scans = 0;
+  std::optional<TimePoint> last_look;
+  RadarId last_radar;           ///< meaningful with last_look
+  std::optional<double> nis;    ///< of the last plot used, 2 degrees of freedom
+  int rejections = 0;           ///< consecutive looks whose plots were all outside the gate
+  double log_miss_probability = 0.0;  ///< of the present run of looks without a plot in the gate
+
+  bool alive() const { return status != TrackStatus::kLost; }
+  void lose(LossCause cause) {
+    status = TrackStatus::kLost;
+    loss = cause;
+  }
+};
+
+}  // namespace dwell

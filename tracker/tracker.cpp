@@ -1,0 +1,128 @@
+#include "tracker/tracker.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <Eigen/LU>
+
+#include "radar/assert.hpp"
+
+namespace dwell {
+namespace {
+
+/// A certain detection that fails still is no proof that the target is gone: it is counted as this P_d.
+constexpr double kLargestBelievedDetection = 0.99;
+
+}  // namespace
+
+Tracker::Tracker(DiscreteBank bank, Eigen::VectorXd initial_probability, const TrackerSettings& settings)
+    : bank_(std::move(bank)), initial_probability_(std::move(initial_probability)), settings_(settings) {
+  DWELL_ASSERT(bank_.size() >= 1 && bank_.size() <= kMostModes);
+  DWELL_ASSERT(initial_probability_.size() == bank_.size());
+  scratch_ = make_estimate({}, initial_probability_);
+  measurements_.resize(scratch_.modes.size());
+  innovations_.resize(scratch_.modes.size());
+  best_innovations_.resize(scratch_.modes.size());
+}
+
+Track Tracker::start(TrackId id, std::string name, const Gaussian& belief) const {
+  Track track;
+  track.id = id;
+  track.name = std::move(name);
+  track.estimate = make_estimate(belief, initial_probability_);
+  track.combined = belief;
+  return track;
+}
+
+std::optional<Gaussian> Tracker::belief_from(const Plot& plot, const Sensor& sensor, double speed_sigma_mps) {
+  const std::optional<Vector2> place = sensor.position_of(plot.z);
+  if (!place) return std::nullopt;
+  Gaussian belief;
+  belief.mean = make_state(*place, Vector2::Zero());
+  const Matrix2 g = (sensor.jacobian(belief.mean) * position_selector().transpose()).inverse();
+  const double speed_variance = speed_sigma_mps * speed_sigma_mps;
+  belief.covariance = State(0.0, speed_variance, 0.0, speed_variance).asDiagonal();
+  belief.covariance({kX, kY}, {kX, kY}) = g * sensor.noise(belief.mean) * g.transpose();
+  return belief;
+}
+
+void Tracker::predict(Track& track) {
+  ++track.age_scans;
+  if (dwell::predict(bank_, track.estimate, scratch_) != Numerics::kOk) return track.lose(LossCause::kNumerics);
+  std::swap(track.estimate, scratch_);
+  track.combined = combine(track.estimate);
+}
+
+LookOutcome Tracker::look(Track& track, const Sensor& sensor, const Dwell& dwell, std::span<const Plot> plots) {
+  track.last_look = dwell.time;
+  track.last_radar = dwell.radar;
+  LookOutcome outcome;
+  if (predict_measurements(sensor, settings_.update, track.estimate, measurements_) != Numerics::kOk) {
+    track.lose(LossCause::kNumerics);
+    return outcome;
+  }
+  double best = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < plots.size(); ++i) {
+    if (!plots[i].z.allFinite() || !gated_innovations(track, sensor, plots[i])) continue;
+    if (const double density = log_density(track); !outcome.used_plot || density > best) {
+      best = density;
+      outcome.used_plot = i;
+      best_innovations_ = innovations_;
+    }
+  }
+  if (!outcome.used_plot) {
+    miss(track, sensor, !plots.empty());
+    return outcome;
+  }
+  track.nis = mixture_squared_distance(measurements_, track.estimate.probability, best_innovations_);
+  const Numerics updated = update(measurements_, best_innovations_, track.estimate);
+  track.combined = combine(track.estimate);
+  track.status = TrackStatus::kConfirmed;
+  track.rejections = 0;
+  track.log_miss_probability = 0.0;
+  const bool finite = track.combined.mean.allFinite() && track.combined.covariance.allFinite();
+  if (updated != Numerics::kOk || !finite) track.lose(LossCause::kNumerics);
+  return outcome;
+}
+
+/// Fills `innovations_` and says whether the plot is in the gate of any mode.
+bool Tracker::gated_innovations(const Track& track, const Sensor& sensor, const Plot& plot) {
+  const double widening = 1.0 + track.rejections;
+  const double limit = settings_.gate * widening * widening;
+  const Vector2 z = measurement_of(sensor, settings_.update, plot.z);
+  bool inside = false;
+  for (std::size_t j = 0; j < measurements_.size(); ++j) {
+    innovations_[j] = innovation(sensor, settings_.update, z, measurements_[j].z);
+    inside = inside || measurements_[j].squared_distance(innovations_[j]) < limit;
+  }
+  return inside;
+}
+
+/// log sum_j c_j N(nu_j; 0, S_j).
+double Tracker::log_density(const Track& track) const {
+  double largest = -std::numeric_limits<double>::infinity();
+  double sum = 0.0;
+  for (std::size_t j = 0; j < measurements_.size(); ++j) {
+    const double term =
+        std::log(track.estimate.probability[j]) + measurements_[j].log_likelihood(innovations_[j]);
+    if (term > largest) {
+      sum = sum * std::exp(largest - term) + 1.0;
+      largest = term;
+    } else if (term > -std::numeric_limits<double>::infinity()) {
+      sum += std::exp(term - largest);
+    }
+  }
+  return largest + std::log(sum);
+}
+
+void Tracker::miss(Track& track, const Sensor& sensor, bool had_plots) const {
+  track.status = TrackStatus::kCoasting;
+  if (had_plots) ++track.rejections;
+  const double detection = sensor.detection_probability(track.combined.mean);
+  track.log_miss_probability += std::log1p(-std::min(detection, kLargestBelievedDetection));
+  if (track.log_miss_probability < std::log(settings_.lost_probability)) track.lose(LossCause::kNoPlots);
+}
+
+}  // namespace dwell
