@@ -1,0 +1,59 @@
+#include "bandit/policy.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "radar/assert.hpp"
+
+namespace dwell {
+namespace {
+
+bool conflicts(const Decision& decision, const Pair& pair) {
+  return std::any_of(decision.chosen.begin(), decision.chosen.end(), [&](std::size_t taken) {
+    const Pair& other = decision.candidates[taken].pair;
+    return other.sensor == pair.sensor || other.track == pair.track;
+  });
+}
+
+/// The place of the best candidate that conflicts with no choice; empty where there is none.
+std::optional<std::size_t> best_free(const Decision& decision) {
+  std::optional<std::size_t> best;
+  for (std::size_t i = 0; i < decision.candidates.size(); ++i) {
+    const Candidate& candidate = decision.candidates[i];
+    if (conflicts(decision, candidate.pair)) continue;
+    if (!best || candidate.score > decision.candidates[*best].score) best = i;
+  }
+  return best;
+}
+
+std::optional<double> margin(const Decision& decision) {
+  if (decision.candidates.size() < 2) return std::nullopt;
+  std::optional<double> runner_up;
+  for (std::size_t i = 0; i < decision.candidates.size(); ++i) {
+    if (i == decision.chosen.front()) continue;
+    runner_up = std::max(runner_up.value_or(decision.candidates[i].score), decision.candidates[i].score);
+  }
+  return decision.candidates[decision.chosen.front()].score - *runner_up;
+}
+
+}  // namespace
+
+void Policy::decide(const Situation& situation, Decision& decision) {
+  decision.candidates.clear();
+  decision.chosen.clear();
+  decision.margin.reset();
+  decision.fell_back = false;
+  for (const Pair& pair : situation.feasible) decision.candidates.push_back({pair, 0.0, {}, {}});
+  if (decision.candidates.empty()) return;
+  score(situation, decision.candidates);
+  for (const Candidate& candidate : decision.candidates) DWELL_ASSERT(std::isfinite(candidate.score));
+  for (int look = 0; look < situation.looks; ++look) {
+    const auto best = best_free(decision);
+    if (!best) break;
+    decision.chosen.push_back(*best);
+    chose(situation, decision.candidates[*best].pair);
+  }
+  decision.margin = margin(decision);
+}
+
+}  // namespace dwell

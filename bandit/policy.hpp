@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "radar/sensor.hpp"
+#include "tracker/measurement.hpp"
+#include "tracker/track.hpp"
+
+namespace dwell {
+
+/// One thing that can be done: a look of one sensor at one track, by their places in the situation.
+struct Pair {
+  std::size_t sensor = 0;
+  std::size_t track = 0;
+};
+
+/// What a policy may know when it decides: every track is predicted to the time of the scan.
+struct Situation {
+  TimePoint time;
+  int looks = 1;                             ///< at most so many pairs are chosen
+  UpdateForm update = UpdateForm::kEkf;      ///< how a plot will meet the state
+  std::span<const Sensor* const> sensors;    ///< as they are believed to be
+  std::span<const double> usage_cost;        ///< gamma of each sensor, in units of the policy's cost
+  std::span<const Track> tracks;
+  std::span<const Pair> feasible;            ///< sensor up, track alive and covered; tracks in order, then sensors
+};
+
+/// A feasible pair and what the policy thinks of it.
+struct Candidate {
+  Pair pair;
+  double score = 0.0;                       ///< a gain: larger is better, for every policy; finite
+  std::optional<double> cost_without_look;  ///< weighted; only of policies that compute a cost
+  std::optional<double> expected_cost;      ///< weighted, after the look; likewise
+};
+
+/// The choice of one scan and its reason.
+struct Decision {
+  std::vector<Candidate> candidates;  ///< all feasible pairs, in the situation's order
+  std::vector<std::size_t> chosen;    ///< places in `candidates`, best first
+  std::optional<double> margin;       ///< score of the first choice minus that of the runner-up
+  bool fell_back = false;             ///< the policy could not answer and a cheaper one did
+
+  const Pair& pair(std::size_t choice) const { return candidates[chosen[choice]].pair; }
+};
+
+/// Chooses the next look. Models: one file each in this folder, listed in bandit/catalogue.hpp.
+///
+/// The choice is the same for all: the best score first, then the best of another sensor and another track, until
+/// the looks of the scan are given. Ties go to the candidate that comes first. A look is made even when every score
+/// is negative: the link is there to be used.
+class Policy {
+ public:
+  virtual ~Policy() = default;
+
+  virtual std::string_view name() const = 0;
+  /// Fills `decision`; no allocation once its vectors have grown.
+  void decide(const Situation& situation, Decision& decision);
+
+ private:
+  /// Writes the score (and costs) of every candidate; the pairs are there already.
+  virtual void score(const Situation& situation, std::span<Candidate> candidates) = 0;
+  /// Called for each pair that was chosen.
+  virtual void chose(const Situation& /*situation*/, const Pair& /*pair*/) {}
+};
+
+}  // namespace dwell

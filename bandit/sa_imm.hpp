@@ -1,0 +1,38 @@
+#pragma once
+
+#include "bandit/expected_cost.hpp"
+#include "bandit/policy.hpp"
+
+namespace dwell {
+
+struct SaImmSettings {
+  enum class Cost {
+    kPosition,  ///< W selects x and y
+    kXOnly,     ///< W selects x, as Table I of Evans et al.
+    kFull,      ///< W = I, as (6) of Evans et al.: adds m^2 and (m/s)^2
+    kNone,      ///< W = 0: the mode term alone
+  };
+  Cost cost = Cost::kPosition;
+  double beta = 0.0;
+  int nodes = 5;  ///< Gauss-Hermite nodes on each axis: see ExpectedCost for the error
+};
+
+/// The sensor-adaptive IMM: the pair whose look is expected to lower the total cost most, one step ahead.
+///
+///   score = weight (cost without a look - expected cost with it) - gamma of the sensor
+///
+/// so the largest score minimises the total over all tracks. A pair whose numbers fail scores as a look without use.
+/// Source  Evans et al. (2005), IV-B; PAPERS: the expectation by ExpectedCost, not by plugging in a prediction.
+class SaImm final : public Policy {
+ public:
+  explicit SaImm(const SaImmSettings& settings);
+
+  std::string_view name() const override { return "sa_imm"; }
+
+ private:
+  void score(const Situation& situation, std::span<Candidate> candidates) override;
+
+  ExpectedCost expected_cost_;
+};
+
+}  // namespace dwell
