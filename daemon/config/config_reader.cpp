@@ -1,0 +1,145 @@
+#include "daemon/config/config_reader.hpp"
+
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include <google/protobuf/io/tokenizer.h>
+
+#include "daemon/config/policy_reader.hpp"
+#include "daemon/config/sections.hpp"
+
+namespace dwell {
+namespace {
+
+using google::protobuf::TextFormat;
+
+class SyntaxErrors : public google::protobuf::io::ErrorCollector {
+ public:
+  void AddError(int line, google::protobuf::io::ColumnNumber column, const std::string& message) override {
+    violations.push_back({"syntax", "", message, line + 1, column + 1});
+  }
+  std::vector<Violation> violations;
+};
+
+/// An endpoint that only this machine can reach: nobody is authenticated.
+void read_endpoint(FieldReader in, std::string& endpoint) {
+  in.text("bind", endpoint);
+  const auto starts = [&](const char* prefix) { return endpoint.rfind(prefix, 0) == 0; };
+  const auto port = endpoint.rfind(':');
+  const std::string digits = port == std::string::npos ? "" : endpoint.substr(port + 1);
+  const bool numeric = !digits.empty() && digits.size() <= 5 &&
+                       digits.find_first_not_of("0123456789") == std::string::npos && std::stoi(digits) <= 65535;
+  const bool loopback = starts("tcp://127.") || starts("tcp://localhost:") || starts("tcp://[::1]:");
+  if ((starts("ipc://") && endpoint.size() > 6) || (loopback && numeric)) return;
+  in.refuse("bind", in.value("bind"),
+            "must be ipc://PATH, or tcp:// on 127.0.0.1, localhost or [::1] with a port: there is no authentication");
+}
+
+class ConfigReader {
+ public:
+  ConfigReader(DaemonConfig& config, const FieldReader::Locations* locations, const std::filesystem::path& directory)
+      : config_(config), engine_(config.engine), top_(config.effective, locations, violations_), shelf_(directory) {}
+
+  std::vector<Violation> read() {
+    read_run();
+    read_tracker(top_.child("tracker"), engine_);
+    read_sensors();
+    read_targets();
+    FieldReader policy = top_.child("policy");
+    if (config_.effective.policy().kind_case() == v1::Policy::KIND_NOT_SET) {
+      config_.effective.mutable_policy()->mutable_sa_imm();
+    }
+    const auto settings =
+        read_policy(*config_.effective.mutable_policy(), policy, static_cast<int>(engine_.sensors.size()));
+    if (settings) engine_.policy = *settings;
+    FieldReader stream = top_.child("stream");
+    read_endpoint(stream, config_.stream_bind);
+    stream.integer("high_water_mark", 1, 100'000'000, config_.stream_high_water_mark);
+    read_endpoint(top_.child("control"), config_.control_bind);
+    return std::move(violations_);
+  }
+
+ private:
+  void read_run() {
+    double period_s = to_seconds(engine_.scan_period);
+    top_.number("scan_period_s", within(1e-3, 3600.0), 1.0, period_s);
+    engine_.scan_period = from_seconds(period_s);
+    if (config_.effective.has_seed()) engine_.seed = config_.effective.seed();
+    config_.effective.set_seed(engine_.seed);
+  }
+
+  void read_sensors() {
+    const int radars = top_.count("radar");
+    const int linear = top_.count("linear_sensor");
+    if (radars + linear == 0) top_.refuse("radar", "", "one radar or linear_sensor at least is required");
+    std::set<std::string> names;
+    const auto add = [&](const char* field, int index, SensorConfig sensor) {
+      if (!sensor.name.empty() && !names.insert(sensor.name).second) {
+        top_.element(field, index).refuse("name", "\"" + sensor.name + "\"", "must be unique among the sensors");
+      }
+      engine_.sensors.push_back(std::move(sensor));
+    };
+    for (int i = 0; i < radars; ++i) add("radar", i, read_radar(top_.element("radar", i)));
+    for (int i = 0; i < linear; ++i) add("linear_sensor", i, read_linear_sensor(top_.element("linear_sensor", i)));
+    top_.integer("looks_per_scan", 1, std::max(1, radars + linear), engine_.looks_per_scan);
+  }
+
+  void read_targets() {
+    if (top_.count("target") == 0) top_.refuse("target", "", "one target at least is required");
+    std::set<std::string> names;
+    for (int i = 0; i < top_.count("target"); ++i) {
+      engine_.targets.push_back(read_target(top_.element("target", i), engine_, shelf_, violations_));
+      const std::string& name = engine_.targets.back().name;
+      if (!name.empty() && !names.insert(name).second) {
+        top_.element("target", i).refuse("name", "\"" + name + "\"", "must be unique among the targets");
+      }
+    }
+  }
+
+  DaemonConfig& config_;
+  EngineConfig& engine_;
+  std::vector<Violation> violations_;
+  FieldReader top_;
+  RecordingShelf shelf_;
+};
+
+DaemonConfig read(v1::Config message, const FieldReader::Locations* locations, const std::string& source,
+                  const std::filesystem::path& directory) {
+  DaemonConfig config;
+  config.effective = std::move(message);
+  std::vector<Violation> violations = ConfigReader(config, locations, directory).read();
+  if (!violations.empty()) throw InvalidInput(source, std::move(violations));
+  return config;
+}
+
+}  // namespace
+
+DaemonConfig read_config_text(const std::string& text, const std::string& source,
+                              const std::filesystem::path& directory) {
+  v1::Config message;
+  SyntaxErrors errors;
+  FieldReader::Locations locations;
+  TextFormat::Parser parser;
+  parser.RecordErrorsTo(&errors);
+  parser.WriteLocationsTo(&locations);
+  if (!parser.ParseFromString(text, &message)) throw InvalidInput(source, std::move(errors.violations));
+  return read(std::move(message), &locations, source, directory);
+}
+
+DaemonConfig read_config_file(const std::filesystem::path& file) {
+  std::ifstream input(file);
+  if (!input || std::filesystem::is_directory(file)) {
+    throw InvalidInput(file.string(), {{"file", "", "cannot be read"}});
+  }
+  std::ostringstream text;
+  text << input.rdbuf();
+  return read_config_text(text.str(), file.string(), file.parent_path());
+}
+
+DaemonConfig read_config(const v1::Config& config, const std::string& source,
+                         const std::filesystem::path& directory) {
+  return read(config, nullptr, source, directory);
+}
+
+}  // namespace dwell

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+
+#include "daemon/config/field_reader.hpp"
+#include "daemon/engine_config.hpp"
+
+namespace dwell {
+
+/// The sections of a config, one file each in this folder. Each reads its message into the domain struct and leaves
+/// what is wrong with it in the reader's violations.
+
+SensorConfig read_radar(FieldReader in);
+SensorConfig read_linear_sensor(FieldReader in);
+
+/// A bank by name or spelled out; checked against the scan period. `fallback` where the message is empty.
+ModeBank read_bank(FieldReader in, Duration scan_period, const ModeBank& fallback);
+ProcessNoise read_process_noise(FieldReader in, Duration scan_period);
+
+/// Tracker settings, bank and loss rule into `config`.
+void read_tracker(FieldReader in, EngineConfig& config);
+
+/// Recordings are read once each, however many targets come from them.
+class RecordingShelf {
+ public:
+  explicit RecordingShelf(std::filesystem::path directory) : directory_(std::move(directory)) {}
+
+  /// Empty where the file cannot be read: then `problems` says why.
+  const std::vector<RecordedFlight>* flights(const std::string& file, std::vector<Violation>& problems);
+
+ private:
+  std::filesystem::path directory_;
+  std::map<std::string, std::vector<RecordedFlight>> flights_;
+  std::set<std::string> bad_;
+};
+
+TargetConfig read_target(FieldReader in, const EngineConfig& config, RecordingShelf& shelf,
+                         std::vector<Violation>& violations);
+
+/// Whether a time is a whole number of scan periods.
+bool is_multiple(Duration time, Duration scan_period);
+
+/// Row-major values as a matrix.
+template <class Matrix>
+Matrix row_major(const std::vector<double>& values, int rows, int columns) {
+  Matrix matrix(rows, columns);
+  for (int i = 0; i < rows; ++i) {
+    for (int j = 0; j < columns; ++j) matrix(i, j) = values[static_cast<std::size_t>(i * columns + j)];
+  }
+  return matrix;
+}
+
+/// Symmetric to 1e-9 of its largest element, and with a Cholesky factor.
+template <class Matrix>
+bool is_covariance(const Matrix& matrix) {
+  const double scale = matrix.cwiseAbs().maxCoeff();
+  return (matrix - matrix.transpose()).cwiseAbs().maxCoeff() <= 1e-9 * scale &&
+         matrix.llt().info() == Eigen::Success;
+}
+
+}  // namespace dwell

@@ -1,0 +1,73 @@
+#include <Eigen/Cholesky>
+
+#include "daemon/config/sections.hpp"
+
+namespace dwell {
+
+SensorConfig read_radar(FieldReader in) {
+  SensorConfig sensor;
+  RadarFigures figures;
+  in.required("name");
+  in.text("name", sensor.name);
+  in.number("x_m", any_number(), 1.0, figures.position_m.x());
+  in.number("y_m", any_number(), 1.0, figures.position_m.y());
+  in.number("beamwidth_deg", above(0.0, 90.0), kDegree, figures.beamwidth_rad);
+  in.number("pulse_length_s", positive(), 1.0, figures.pulse_length_s);
+  in.decibel("snr_reference_db", within(-30.0, 120.0), figures.snr_reference);
+  in.number("reference_range_m", positive(), 1.0, figures.reference_range_m);
+  in.number("range_noise_floor_m", non_negative(), 1.0, figures.range_noise_floor_m);
+  in.number("azimuth_noise_floor_deg", within(0.0, 90.0), kDegree, figures.azimuth_noise_floor_rad);
+  if (in.has("false_alarm_probability")) {
+    SwerlingOneDetection detection;
+    in.number("false_alarm_probability", between(0.0, 1.0), 1.0, detection.false_alarm_probability);
+    figures.detection = detection;
+  } else {
+    FixedDetection detection;
+    in.number("detection_probability", above(0.0, 1.0), 1.0, detection.probability);
+    figures.detection = detection;
+  }
+  in.number("max_range_m", positive_or_infinite(), 1.0, figures.max_range_m);
+  in.number("sector_centre_deg", within(-360.0, 360.0), kDegree, figures.sector_centre_rad);
+  in.number("sector_width_deg", above(0.0, 360.0), kDegree, figures.sector_width_rad);
+  in.number("clutter_density", non_negative(), 1.0, figures.clutter_density);
+  figures.dwell_azimuth_rad = 3.0 * figures.beamwidth_rad;
+  in.number("dwell_azimuth_deg", above(0.0, 180.0), kDegree, figures.dwell_azimuth_rad);
+  in.number("dwell_range_m", positive(), 1.0, figures.dwell_range_m);
+  in.number("usage_cost", non_negative(), 1.0, sensor.usage_cost);
+  bool down = false;
+  in.flag("down", down);
+  sensor.up = !down;
+  // What one look would draw on average; a million is a mistake in the units, and would stop the scan.
+  const double false_plots = figures.clutter_density * 4.0 * figures.dwell_range_m * figures.dwell_azimuth_rad;
+  if (false_plots > 1e4) {
+    in.refuse("clutter_density", in.value("clutter_density"),
+              "must give at most 10000 false plots a look (density x footprint); gives " + number_text(false_plots));
+  }
+  sensor.figures = figures;
+  return sensor;
+}
+
+SensorConfig read_linear_sensor(FieldReader in) {
+  SensorConfig sensor;
+  LinearFigures figures;
+  in.required("name");
+  in.text("name", sensor.name);
+  const std::vector<double> c = in.numbers("c", any_number(), {8});
+  const std::vector<double> r = in.numbers("r", any_number(), {4});
+  if (in.count("c") == 0) in.refuse("c", "", "is required: 2 x 4 values, row-major");
+  if (in.count("r") == 0) in.refuse("r", "", "is required: 2 x 2 values, row-major");
+  if (c.size() == 8) figures.c = row_major<MeasurementJacobian>(c, 2, kStateSize);
+  if (r.size() == 4) {
+    figures.r = row_major<Matrix2>(r, 2, 2);
+    if (!is_covariance(figures.r)) in.refuse("r", "", "must be symmetric and positive definite");
+  }
+  in.number("detection_probability", above(0.0, 1.0), 1.0, figures.detection_probability);
+  in.number("usage_cost", non_negative(), 1.0, sensor.usage_cost);
+  bool down = false;
+  in.flag("down", down);
+  sensor.up = !down;
+  sensor.figures = figures;
+  return sensor;
+}
+
+}  // namespace dwell

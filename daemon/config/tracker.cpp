@@ -1,0 +1,140 @@
+#include <cmath>
+
+#include "daemon/config/sections.hpp"
+
+namespace dwell {
+namespace {
+
+constexpr double kProbabilitySum = 1e-6;  // how far from one a row may be: printed probabilities are rounded
+
+Mode read_mode(FieldReader in, Duration scan_period) {
+  Mode mode;
+  in.required("name");
+  in.text("name", mode.name);
+  if (in.has("coordinated_turn")) {
+    FieldReader turn = in.child("coordinated_turn");
+    double rate_radps = 0.0;
+    turn.required("turn_rate_dps");
+    turn.number("turn_rate_dps", within(-360.0, 360.0), kDegree, rate_radps);
+    if (rate_radps == 0.0) {
+      turn.refuse("turn_rate_dps", turn.value("turn_rate_dps"), "must not be 0: that is constant_velocity");
+    } else {
+      mode.motion = CoordinatedTurn{rate_radps};
+    }
+  }
+  if (in.has("process_noise")) mode.noise = read_process_noise(in.child("process_noise"), scan_period);
+  return mode;
+}
+
+void check_probabilities(FieldReader& in, const char* field, const Eigen::MatrixXd& rows) {
+  for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+    const double sum = rows.row(i).sum();
+    if (std::abs(sum - 1.0) > kProbabilitySum) {
+      in.refuse(field, "row " + std::to_string(i + 1) + " sums to " + number_text(sum), "rows must sum to 1");
+    }
+  }
+}
+
+/// Modes, chain and start of a bank that is spelled out.
+ModeBank read_modes(FieldReader& in, Duration scan_period) {
+  ModeBank bank;
+  std::set<std::string> names;
+  const int count = in.count("mode");
+  if (count > Tracker::kMostModes) {
+    in.refuse("mode", std::to_string(count) + " modes", "must be at most " + std::to_string(Tracker::kMostModes));
+  }
+  for (int i = 0; i < count; ++i) {
+    bank.modes.push_back(read_mode(in.element("mode", i), scan_period));
+    const std::string& name = bank.modes.back().name;
+    if (!name.empty() && !names.insert(name).second) in.refuse("mode", name, "names must be unique in the bank");
+  }
+  bank.transition = Eigen::MatrixXd::Identity(count, count);
+  bank.initial_probability = Eigen::VectorXd::Constant(count, 1.0 / count);
+  const auto transition = in.numbers("transition", within(0.0, 1.0), {count * count});
+  const auto initial = in.numbers("initial_probability", within(0.0, 1.0), {count});
+  if (count > 1 && in.count("transition") == 0) in.refuse("transition", "", "is required with more than one mode");
+  if (!transition.empty()) {
+    bank.transition = row_major<Eigen::MatrixXd>(transition, count, count);
+    check_probabilities(in, "transition", bank.transition);
+    bank.transition = bank.transition.rowwise().sum().cwiseInverse().asDiagonal() * bank.transition;
+  }
+  if (!initial.empty()) {
+    bank.initial_probability = row_major<Eigen::VectorXd>(initial, count, 1);
+    check_probabilities(in, "initial_probability", bank.initial_probability.transpose());
+    bank.initial_probability /= bank.initial_probability.sum();
+  }
+  in.number("transition_interval_s", positive(), 1.0, bank.transition_interval_s);
+  return bank;
+}
+
+}  // namespace
+
+ProcessNoise read_process_noise(FieldReader in, Duration scan_period) {
+  double step_s = 1.0;
+  const bool continuous = in.has("white_noise_acceleration");
+  if (continuous && in.has("step_s")) {
+    in.refuse("step_s", in.value("step_s"), "must not stand with white_noise_acceleration, which has no steps");
+  } else if (!continuous) {
+    in.number("step_s", positive(), 1.0, step_s);
+  }
+  ProcessNoise noise = NoProcessNoise{};
+  if (continuous) {
+    WhiteNoiseAcceleration form{0.0};
+    in.number("white_noise_acceleration", non_negative(), 1.0, form.q);
+    noise = form;
+  } else if (in.has("piecewise_acceleration")) {
+    PiecewiseAcceleration form{0.0, step_s};
+    in.number("piecewise_acceleration", non_negative(), 1.0, form.sigma_mps2);
+    noise = form;
+  } else if (in.has("diagonal")) {
+    FieldReader diagonal = in.child("diagonal");
+    const auto b = diagonal.numbers("b", non_negative(), {kStateSize});
+    if (diagonal.count("b") == 0) diagonal.refuse("b", "", "is required: 4 values");
+    if (!b.empty()) noise = DiagonalNoise{row_major<State>(b, kStateSize, 1), step_s};
+  } else {
+    in.refuse("white_noise_acceleration", "",
+              "one of white_noise_acceleration, piecewise_acceleration, diagonal is required");
+  }
+  if (!divides(noise, to_seconds(scan_period))) {
+    in.refuse("step_s", number_text(step_s), "must divide scan_period_s");
+    return NoProcessNoise{};
+  }
+  return noise;
+}
+
+ModeBank read_bank(FieldReader in, Duration scan_period, const ModeBank& fallback) {
+  ModeBank bank = fallback;
+  const bool spelled_out = in.count("mode") > 0;
+  if (in.has("name")) {
+    std::string name;
+    in.text("name", name);
+    if (const auto named = named_bank(name)) {
+      bank = *named;
+    } else if (!name.empty()) {
+      in.refuse("name", in.value("name"), "must be one of: " + bank_names());
+    }
+    if (spelled_out) in.refuse("mode", "", "must not stand with the name of a bank");
+  } else if (spelled_out) {
+    bank = read_modes(in, scan_period);
+  }
+  for (const Mode& mode : bank.modes) {
+    if (!divides(mode.noise, to_seconds(scan_period))) {
+      in.refuse("name", mode.name, "has process noise by steps of 1 s, which must divide scan_period_s");
+      return fallback;
+    }
+  }
+  if (!transition_over(bank.transition, to_seconds(scan_period) / bank.transition_interval_s)) {
+    in.refuse("transition", "", "has no root for a scan period: give it for transition_interval_s = scan_period_s");
+  }
+  return bank;
+}
+
+void read_tracker(FieldReader in, EngineConfig& config) {
+  if (in.has("bank")) config.bank = read_bank(in.child("bank"), config.scan_period, config.bank);
+  in.choice("update", config.tracker.update);
+  in.number("gate", positive_or_infinite(), 1.0, config.tracker.gate);
+  in.number("lost_probability", between(0.0, 1.0), 1.0, config.tracker.lost_probability);
+  in.number("lost_squared_distance", positive_or_infinite(), 1.0, config.lost_squared_distance);
+}
+
+}  // namespace dwell

@@ -1,0 +1,118 @@
+#include "daemon/encode.hpp"
+
+#include "tracker/metrics/nees.hpp"
+
+namespace dwell {
+namespace {
+
+v1::Track::State state_of(TrackStatus status) {
+  switch (status) {
+    case TrackStatus::kConfirmed:
+      return v1::Track::CONFIRMED;
+    case TrackStatus::kCoasting:
+      return v1::Track::COASTING;
+    case TrackStatus::kLost:
+      break;
+  }
+  return v1::Track::LOST;
+}
+
+std::uint32_t number_of(std::size_t index) { return static_cast<std::uint32_t>(index + 1); }
+
+void encode(const TruthReport& truth, const Track& track, v1::Truth& message) {
+  message.set_track(truth.track.number);
+  for (const double value : truth.state) message.add_state(value);
+  message.set_altitude_m(truth.altitude_m);
+  message.set_position_error_m((position(truth.state) - position(track.combined.mean)).norm());
+  message.set_nees(nees(truth.state, track.combined));
+}
+
+}  // namespace
+
+void encode(const Track& track, v1::Track& message) {
+  message.Clear();
+  message.set_id(track.id.number);
+  message.set_name(track.name);
+  message.set_status(state_of(track.status));
+  for (const double value : track.combined.mean) message.add_state(value);
+  for (int row = 0; row < kStateSize; ++row) {
+    for (int column = row; column < kStateSize; ++column) {
+      message.add_covariance(track.combined.covariance(row, column));
+    }
+  }
+  for (const double probability : track.estimate.probability) message.add_mode_probability(probability);
+  if (track.last_look) {
+    message.set_last_look_time_ns(track.last_look->time_since_epoch().count());
+    message.set_last_look_radar(track.last_radar.number);
+  }
+  message.set_age_scans(static_cast<std::uint32_t>(track.age_scans));
+  if (track.nis) message.set_nis(*track.nis);
+}
+
+void encode(const ScanReport& report, std::string_view policy, std::span<const Track> tracks,
+            v1::ScanReport& message) {
+  message.Clear();
+  message.set_scan(report.scan);
+  message.set_policy(std::string(policy));
+  for (const Candidate& candidate : report.decision.candidates) {
+    v1::Candidate& out = *message.add_candidate();
+    out.set_radar(number_of(candidate.pair.sensor));
+    out.set_track(tracks[candidate.pair.track].id.number);
+    out.set_score(candidate.score);
+    if (candidate.cost_without_look) out.set_cost_without_look(*candidate.cost_without_look);
+    if (candidate.expected_cost) out.set_expected_cost(*candidate.expected_cost);
+  }
+  for (std::size_t i = 0; i < report.looks.size(); ++i) {
+    const LookReport& look = report.looks[i];
+    v1::Look& out = *message.add_look();
+    out.set_radar(look.dwell.radar.number);
+    out.set_track(look.dwell.track.number);
+    out.set_plots(static_cast<std::uint32_t>(look.plots));
+    if (!look.used_plot) continue;
+    out.set_used_plot(number_of(*look.used_plot - look.first_plot));
+    const Track& track = tracks[report.decision.pair(i).track];
+    if (track.nis) out.set_nis(*track.nis);
+  }
+  if (report.decision.margin) message.set_margin(*report.decision.margin);
+  message.set_fell_back(report.decision.fell_back);
+  std::size_t place = 0;
+  for (const TruthReport& truth : report.truth) {
+    while (tracks[place].id != truth.track) ++place;  // both in the order of the tracks
+    encode(truth, tracks[place], *message.add_truth());
+  }
+}
+
+void encode(const ScanReport& report, const LookReport& look, std::size_t plot, const Sensor& sensor,
+            v1::Plot& message) {
+  message.Clear();
+  const Plot& detection = report.plots[plot];
+  message.set_radar(look.dwell.radar.number);
+  message.set_track(look.dwell.track.number);
+  message.set_number(number_of(plot - look.first_plot));
+  if (const auto place = sensor.position_of(detection.z)) {
+    message.set_range_m(detection.z[0]);
+    message.set_azimuth_rad(detection.z[1]);
+    message.set_x_m(place->x());
+    message.set_y_m(place->y());
+  } else {
+    for (const double value : detection.z) message.add_measurement(value);
+  }
+  message.set_used(look.used_plot == plot);
+  message.set_false_alarm(!detection.source.has_value());
+}
+
+void encode_radar(const Engine& engine, std::size_t sensor, v1::RadarState& message) {
+  const SensorConfig& config = engine.config().sensors[sensor];
+  message.Clear();
+  message.set_number(number_of(sensor));
+  message.set_name(config.name);
+  message.set_up(engine.sensor_up(sensor));
+  message.set_looks(engine.counts().looks[sensor]);
+  message.set_detections(engine.counts().detections[sensor]);
+  if (const auto* figures = std::get_if<RadarFigures>(&config.figures)) {
+    message.set_x_m(figures->position_m.x());
+    message.set_y_m(figures->position_m.y());
+  }
+}
+
+}  // namespace dwell

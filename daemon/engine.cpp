@@ -1,0 +1,237 @@
+#include "daemon/engine.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include <Eigen/Cholesky>
+
+#include "daemon/make.hpp"
+#include "radar/assert.hpp"
+#include "tracker/metrics/nees.hpp"
+
+namespace dwell {
+namespace {
+
+constexpr int kFarLooksToLose = 5;
+
+DiscreteBank bank_of(const EngineConfig& config) {
+  auto bank = discretise(config.bank, to_seconds(config.scan_period));
+  DWELL_ASSERT(bank.has_value());  // the config reader has refused the others
+  return std::move(*bank);
+}
+
+}  // namespace
+
+/// A target of the config, in its present life.
+struct Engine::Target {
+  const TargetConfig* config;
+  TargetId id;
+  int life = 1;                 // counts the repeats of a recording
+  TimePoint start;
+  std::unique_ptr<Trajectory> trajectory;
+  std::optional<State> state;   // where it is now
+  bool tracked = false;         // has had its track in this life
+
+  /// Names of its random streams and of its track: the config's, with the life from the second on.
+  std::string name() const { return life == 1 ? config->name : config->name + "#" + std::to_string(life); }
+};
+
+/// What the simulation knows of a track and the tracker does not.
+struct Engine::TruthLink {
+  std::size_t target;   // index of targets_
+  TargetId id;          // of the life that the track was started for
+  int far_looks = 0;    // consecutive detected looks with the truth far from the prediction
+};
+
+Engine::Engine(const EngineConfig& config)
+    : config_(config),
+      root_(config.seed),
+      tracker_(bank_of(config), config.bank.initial_probability, config.tracker),
+      policy_(make_policy(config.policy)) {
+  for (const SensorConfig& sensor : config_.sensors) {
+    sensors_.push_back(make_sensor(sensor));
+    sensor_views_.push_back(sensors_.back().get());
+    sensor_streams_.push_back(root_.fork("radar/" + sensor.name));
+    usage_cost_.push_back(sensor.usage_cost);
+    sensor_up_.push_back(sensor.up);
+  }
+  counts_.looks.resize(sensors_.size());
+  counts_.detections.resize(sensors_.size());
+  for (const TargetConfig& target : config_.targets) {
+    targets_.push_back({&target, TargetId{++last_target_number_}, 1, target.start, nullptr, {}});
+    targets_.back().trajectory = make_trajectory(target, target.start, config_.scan_period, root_, target.name);
+  }
+  advance_truth();
+  start_tracks();
+}
+
+Engine::~Engine() = default;
+
+const ScanReport& Engine::scan() {
+  ++report_.scan;
+  report_.time += config_.scan_period;
+  drop_lost_tracks();
+  advance_truth();
+  predict_tracks();
+  start_tracks();
+  list_feasible_pairs();
+  choose();
+  for (std::size_t look = 0; look < report_.decision.chosen.size(); ++look) execute(report_.decision.pair(look));
+  count_losses();
+  report_truth();
+  return report_;
+}
+
+void Engine::set_policy(const PolicySettings& settings) {
+  config_.policy = settings;
+  policy_ = make_policy(settings);
+}
+
+void Engine::drop_lost_tracks() {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    if (!tracks_[i].alive()) continue;
+    if (kept != i) {
+      tracks_[kept] = std::move(tracks_[i]);
+      links_[kept] = links_[i];
+    }
+    ++kept;
+  }
+  tracks_.resize(kept);
+  links_.resize(kept, TruthLink{});
+}
+
+void Engine::advance_truth() {
+  truth_.clear();
+  for (Target& target : targets_) {
+    if (target.trajectory->ended(report_.time)) restart(target);
+    target.state = target.trajectory->advance(report_.time);
+    if (target.state) truth_.push_back({target.id, *target.state});
+  }
+}
+
+/// A repeated recording begins again, as a new target, at the first scan after its end.
+void Engine::restart(Target& target) {
+  const auto* recorded = std::get_if<RecordedMotion>(&target.config->motion);
+  if (recorded == nullptr || !recorded->repeat) return;
+  ++target.life;
+  target.id = TargetId{++last_target_number_};
+  target.start = report_.time;
+  target.tracked = false;
+  target.trajectory =
+      make_trajectory(*target.config, target.start, config_.scan_period, root_, target.name());
+}
+
+void Engine::predict_tracks() {
+  for (Track& track : tracks_) tracker_.predict(track);
+}
+
+void Engine::start_tracks() {
+  for (std::size_t i = 0; i < targets_.size(); ++i) {
+    if (targets_[i].tracked || !targets_[i].state) continue;
+    if (const auto belief = first_belief(i)) start_track(i, *belief);
+  }
+}
+
+/// What the track of a target begins with; empty where no plot has come yet.
+std::optional<Gaussian> Engine::first_belief(std::size_t target) {
+  const Target& truth = targets_[target];
+  RandomStream stream = root_.fork("track/" + truth.name() + "/start");
+  if (const auto* cued = std::get_if<CuedStart>(&truth.config->track_start)) {
+    State draw;
+    for (double& value : draw) value = stream.normal();
+    const StateMatrix root = cued->covariance.llt().matrixL();
+    return Gaussian{*truth.state + root * draw, cued->covariance};
+  }
+  const auto& first_plot = std::get<FirstPlotStart>(truth.config->track_start);
+  for (std::size_t i = 0; i < sensors_.size(); ++i) {
+    const Dwell dwell{RadarId{static_cast<std::uint32_t>(i + 1)}, TrackId{}, report_.time, *truth.state};
+    if (!sensor_up_[i]) continue;
+    const TargetTruth alone{truth.id, *truth.state};
+    simulate_look(*sensors_[i], dwell, std::span(&alone, 1), stream.fork(sensor_views_.size() + i), look_plots_);
+    for (const Plot& plot : look_plots_) {
+      if (plot.source) return Tracker::belief_from(plot, *sensors_[i], first_plot.speed_sigma_mps);
+    }
+  }
+  return std::nullopt;
+}
+
+void Engine::start_track(std::size_t target, const Gaussian& belief) {
+  Target& truth = targets_[target];
+  tracks_.push_back(tracker_.start(TrackId{++last_track_number_}, truth.name(), belief));
+  tracks_.back().weight = truth.config->weight;
+  links_.push_back({target, truth.id});
+  truth.tracked = true;
+}
+
+void Engine::list_feasible_pairs() {
+  feasible_.clear();
+  for (std::size_t track = 0; track < tracks_.size(); ++track) {
+    if (!tracks_[track].alive()) continue;
+    for (std::size_t sensor = 0; sensor < sensors_.size(); ++sensor) {
+      if (sensor_up_[sensor] && sensors_[sensor]->covers(tracks_[track].combined.mean)) {
+        feasible_.push_back({sensor, track});
+      }
+    }
+  }
+}
+
+void Engine::choose() {
+  const Situation situation{report_.time, config_.looks_per_scan, config_.tracker.update,
+                            sensor_views_, usage_cost_, tracks_, feasible_};
+  policy_->decide(situation, report_.decision);
+  report_.looks.clear();
+  report_.plots.clear();
+}
+
+/// The chosen sensor looks, and the track the look was made for is updated: the link carries one report.
+void Engine::execute(const Pair& pair) {
+  Track& track = tracks_[pair.track];
+  LookReport look;
+  look.dwell = {RadarId{static_cast<std::uint32_t>(pair.sensor + 1)}, track.id, report_.time, track.combined.mean};
+  simulate_look(*sensors_[pair.sensor], look.dwell, truth_, sensor_streams_[pair.sensor], look_plots_);
+  look.first_plot = report_.plots.size();
+  look.plots = look_plots_.size();
+  report_.plots.insert(report_.plots.end(), look_plots_.begin(), look_plots_.end());
+  compare_with_truth(pair.track);
+  const LookOutcome outcome = tracker_.look(track, *sensors_[pair.sensor], look.dwell, look_plots_);
+  if (outcome.used_plot) look.used_plot = look.first_plot + *outcome.used_plot;
+  ++counts_.looks[pair.sensor];
+  if (outcome.used_plot) ++counts_.detections[pair.sensor];
+  if (links_[pair.track].far_looks >= kFarLooksToLose && track.alive()) track.lose(LossCause::kFromTruth);
+  report_.looks.push_back(look);
+}
+
+/// Before the update: how far the truth is from the prediction, at looks that saw the target.
+void Engine::compare_with_truth(std::size_t track) {
+  TruthLink& link = links_[track];
+  const Target& target = targets_[link.target];
+  const bool same_life = target.id == link.id && target.state;
+  const bool detected = std::any_of(look_plots_.begin(), look_plots_.end(),
+                                    [&](const Plot& plot) { return plot.source == link.id; });
+  if (!same_life || !detected) return;
+  const bool far = position_nees(*target.state, tracks_[track].combined) > config_.lost_squared_distance;
+  link.far_looks = far ? link.far_looks + 1 : 0;
+}
+
+void Engine::count_losses() {
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    if (tracks_[i].alive()) continue;
+    const Target& target = targets_[links_[i].target];
+    const bool target_lives = target.id == links_[i].id && target.state.has_value();
+    ++(target_lives ? counts_.tracks_lost : counts_.tracks_dropped);
+    if (tracks_[i].loss == LossCause::kNumerics) ++counts_.filter_failures;
+  }
+}
+
+void Engine::report_truth() {
+  report_.truth.clear();
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    const Target& target = targets_[links_[i].target];
+    if (!tracks_[i].alive() || target.id != links_[i].id || !target.state) continue;
+    report_.truth.push_back(
+        {tracks_[i].id, *target.state, target.trajectory->altitude_m(), target.trajectory->mode()});
+  }
+}
+
+}  // namespace dwell

@@ -1,0 +1,116 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "bandit/policy.hpp"
+#include "daemon/engine_config.hpp"
+#include "radar/look.hpp"
+#include "tracker/tracker.hpp"
+
+namespace dwell {
+
+/// One look of a scan and what came of it. Its plots are `plots[first_plot, first_plot + plots)` of the report.
+struct LookReport {
+  Dwell dwell;
+  std::size_t first_plot = 0;
+  std::size_t plots = 0;
+  std::optional<std::size_t> used_plot;  ///< index into the report's plots
+};
+
+/// Simulation only: a living track and where its target truly is.
+struct TruthReport {
+  TrackId track;
+  State state;
+  double altitude_m = 0.0;
+  std::optional<int> mode;
+};
+
+/// What happened in one scan. Valid until the next.
+struct ScanReport {
+  std::uint64_t scan = 0;  ///< from 1
+  TimePoint time;
+  Decision decision;
+  std::vector<LookReport> looks;
+  std::vector<Plot> plots;
+  std::vector<TruthReport> truth;
+};
+
+/// Totals since the start.
+struct EngineCounts {
+  std::uint64_t tracks_lost = 0;       ///< while their target lived
+  std::uint64_t tracks_dropped = 0;    ///< after their target had ended
+  std::uint64_t filter_failures = 0;   ///< of the two, those for numerical reasons
+  std::vector<std::uint64_t> looks;        ///< of each sensor
+  std::vector<std::uint64_t> detections;   ///< of each sensor: looks whose track got a plot
+};
+
+/// The simulated world, the tracks and the policy: one scan at a time, without I/O and without a clock. The same
+/// config and the same calls between the same scans give the same reports, bit for bit.
+class Engine {
+ public:
+  explicit Engine(const EngineConfig& config);
+  ~Engine();
+  Engine(const Engine&) = delete;
+  Engine& operator=(const Engine&) = delete;
+
+  /// The next scan. No allocation once the vectors have grown, but where a track starts.
+  const ScanReport& scan();
+  const ScanReport& last() const { return report_; }
+
+  /// Take effect at the next scan.
+  void set_policy(const PolicySettings& settings);
+  void set_sensor(std::size_t sensor, bool up) { sensor_up_[sensor] = up; }
+
+  const EngineConfig& config() const { return config_; }
+  /// The living tracks, and those lost at the last scan.
+  std::span<const Track> tracks() const { return tracks_; }
+  std::span<const Sensor* const> sensors() const { return sensor_views_; }
+  bool sensor_up(std::size_t sensor) const { return sensor_up_[sensor]; }
+  const EngineCounts& counts() const { return counts_; }
+  std::string_view policy_name() const { return policy_->name(); }
+
+ private:
+  struct Target;
+  struct TruthLink;
+
+  void drop_lost_tracks();
+  void advance_truth();
+  void predict_tracks();
+  void start_tracks();
+  void list_feasible_pairs();
+  void choose();
+  void execute(const Pair& pair);
+  void compare_with_truth(std::size_t track);
+  void count_losses();
+  void report_truth();
+  void restart(Target& target);
+  void start_track(std::size_t target, const Gaussian& belief);
+  std::optional<Gaussian> first_belief(std::size_t target);
+
+  EngineConfig config_;
+  RandomStream root_;
+  Tracker tracker_;
+  std::unique_ptr<Policy> policy_;
+
+  std::vector<std::unique_ptr<Sensor>> sensors_;
+  std::vector<const Sensor*> sensor_views_;
+  std::vector<RandomStream> sensor_streams_;
+  std::vector<double> usage_cost_;
+  std::vector<bool> sensor_up_;
+
+  std::vector<Target> targets_;
+  std::vector<TargetTruth> truth_;   // of the living targets, in order
+  std::vector<Track> tracks_;
+  std::vector<TruthLink> links_;     // beside tracks_
+  std::vector<Pair> feasible_;
+  std::vector<Plot> look_plots_;
+  std::uint32_t last_track_number_ = 0;
+  std::uint32_t last_target_number_ = 0;
+  ScanReport report_;
+  EngineCounts counts_;
+};
+
+}  // namespace dwell

@@ -1,0 +1,23 @@
+#include "daemon/stream.hpp"
+
+namespace dwell {
+namespace {
+
+constexpr std::array<std::string_view, 7> kWords{"track.", "scan.", "plot.", "status.", "policy.", "radar.", "end."};
+
+}  // namespace
+
+void Stream::publish(Topic topic, TimePoint time, std::uint32_t id) {
+  const auto index = static_cast<std::size_t>(topic);
+  topic_ = kWords[index];
+  if (topic == Topic::kTrack) topic_ += std::to_string(id) + ".";
+  envelope_.set_epoch(epoch_);
+  envelope_.set_sequence(++sequence_);
+  envelope_.set_topic_sequence(++topic_sequence_[index]);
+  envelope_.set_time_ns(time.time_since_epoch().count());
+  bytes_.clear();
+  envelope_.AppendToString(&bytes_);
+  sink_.send(topic_, bytes_);
+}
+
+}  // namespace dwell
