@@ -1,6 +1,7 @@
 #include "daemon/run.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "daemon/config/policy_reader.hpp"
 #include "daemon/encode.hpp"
@@ -63,17 +64,17 @@ void Run::scan() {
   const ScanReport& report = engine_.scan();
   if (steps_ > 0) --steps_;
   for (const Track& track : engine_.tracks()) {
-    encode(track, *stream_.envelope().mutable_track());
+    encode(track, *stream_.envelope(Topic::kTrack).mutable_track());
     stream_.publish(Topic::kTrack, report.time, track.id.number);
   }
   for (const LookReport& look : report.looks) {
     const Sensor& sensor = *engine_.sensors()[look.dwell.radar.number - 1];
     for (std::size_t plot = look.first_plot; plot < look.first_plot + look.plots; ++plot) {
-      encode(report, look, plot, sensor, *stream_.envelope().mutable_plot());
+      encode(report, look, plot, sensor, *stream_.envelope(Topic::kPlot).mutable_plot());
       stream_.publish(Topic::kPlot, report.time);
     }
   }
-  encode(report, engine_.policy_name(), engine_.tracks(), *stream_.envelope().mutable_scan_report());
+  encode(report, engine_.policy_name(), engine_.tracks(), *stream_.envelope(Topic::kScan).mutable_scan_report());
   stream_.publish(Topic::kScan, report.time);
 }
 
@@ -141,7 +142,7 @@ void Run::set_policy(const v1::Request& request, v1::Reply& reply) {
   if (!settings) return refuse(reply, v1::Refused::INVALID, violations);
   if (!record(request, reply)) return;
   engine_.set_policy(*settings);
-  v1::PolicyChange& change = *stream_.envelope().mutable_policy_change();
+  v1::PolicyChange& change = *stream_.envelope(Topic::kPolicy).mutable_policy_change();
   change.Clear();
   change.set_scan(scans() + 1);
   change.set_client(request.client());
@@ -167,7 +168,7 @@ void Run::set_radar(const v1::Request& request, v1::Reply& reply) {
   if (!record(request, reply)) return;
   const auto index = static_cast<std::size_t>(found - sensors.begin());
   engine_.set_sensor(index, request.set_radar().up());
-  v1::RadarChange& change = *stream_.envelope().mutable_radar_change();
+  v1::RadarChange& change = *stream_.envelope(Topic::kRadar).mutable_radar_change();
   change.Clear();
   change.set_scan(scans() + 1);
   change.set_client(request.client());
@@ -227,6 +228,7 @@ void Run::query(const v1::Request& request, v1::Accepted& accepted) const {
   switch (request.body_case()) {
     case v1::Request::kGetStatus:
       fill_status(*accepted.mutable_status());
+      if (wall_clock_) *accepted.mutable_status()->mutable_wall_clock() = wall_clock_();
       break;
     case v1::Request::kListPolicies:
       fill_policies(*accepted.mutable_policy_list());
@@ -244,7 +246,7 @@ void Run::query(const v1::Request& request, v1::Accepted& accepted) const {
 }
 
 void Run::publish_status(const v1::WallClock* wall_clock) {
-  v1::Status& status = *stream_.envelope().mutable_status();
+  v1::Status& status = *stream_.envelope(Topic::kStatus).mutable_status();
   fill_status(status);
   if (wall_clock != nullptr) *status.mutable_wall_clock() = *wall_clock;
   stream_.publish(Topic::kStatus, engine_.last().time);
@@ -252,7 +254,7 @@ void Run::publish_status(const v1::WallClock* wall_clock) {
 
 void Run::publish_end(const std::string& reason) {
   ending_ = true;
-  v1::EndOfStream& end = *stream_.envelope().mutable_end_of_stream();
+  v1::EndOfStream& end = *stream_.envelope(Topic::kEnd).mutable_end_of_stream();
   end.set_final_sequence(stream_.last_sequence() + 1);
   end.set_reason(reason);
   stream_.publish(Topic::kEnd, engine_.last().time);

@@ -25,8 +25,8 @@ class Stream {
  public:
   Stream(Sink& sink, std::uint64_t epoch) : sink_(sink), epoch_(epoch) {}
 
-  /// The body to fill for the next message, reused from the last.
-  v1::Envelope& envelope() { return envelope_; }
+  /// The envelope whose body is to be filled for the next message of a topic; reused, and so without allocation.
+  v1::Envelope& envelope(Topic topic) { return envelopes_[static_cast<std::size_t>(topic)]; }
   /// Sends it. `id` follows the first word of a track's topic: track.7.
   void publish(Topic topic, TimePoint time, std::uint32_t id = 0);
 
@@ -38,7 +38,7 @@ class Stream {
   std::uint64_t epoch_;
   std::uint64_t sequence_ = 0;
   std::array<std::uint64_t, 7> topic_sequence_{};
-  v1::Envelope envelope_;
+  std::array<v1::Envelope, 7> envelopes_;
   std::string topic_;
   std::string bytes_;
 };
