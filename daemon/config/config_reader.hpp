@@ -5,6 +5,7 @@
 
 #include "daemon/engine_config.hpp"
 #include "dwell/v1/config.pb.h"
+#include "radar/violation.hpp"
 
 namespace dwell {
 
