@@ -123,8 +123,7 @@ std::uint64_t new_epoch() {
           .count());
 }
 
-void serve(const Flags& flags, const Plan& plan) {
-  const int signals = catch_signals();
+void serve(const Flags& flags, const Plan& plan, int signals) {
   zmq::context_t context;
   Publisher publisher(context, plan.config.stream_bind, plan.config.stream_high_water_mark);
   ControlSocket control(context, plan.config.control_bind);
@@ -139,7 +138,7 @@ void serve(const Flags& flags, const Plan& plan) {
   std::cout << summary.text(run.engine()) << std::flush;
 }
 
-int run(const Flags& flags) {
+int run(const Flags& flags, int signals) {
   const Plan plan = make_plan(flags);
   if (flags.check_config) {
     std::string text;
@@ -147,7 +146,7 @@ int run(const Flags& flags) {
     std::cout << text;
     return kDone;
   }
-  serve(flags, plan);
+  serve(flags, plan, signals);
   return kDone;
 }
 
@@ -165,13 +164,14 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kDone : kBadCommandLine;
   }
+  const int signals = catch_signals();  // before any thread starts: they inherit what is blocked
   // Garbage on the control port is counted, not printed line by line.
   google::protobuf::SetLogHandler(nullptr);
   spdlog::set_default_logger(spdlog::create_async<spdlog::sinks::stderr_color_sink_mt>("dwelld"));
   spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e %^%l%$ %v");
   int code = kFailed;
   try {
-    code = run(flags);
+    code = run(flags, signals);
   } catch (const InvalidInput& error) {
     for (const Violation& violation : error.violations()) {
       std::cerr << to_string(error.source(), violation) << '\n';
