@@ -27,6 +27,7 @@ inline EngineConfig scene(int radars, int targets) {
     TargetConfig target;
     target.name = "target" + std::to_string(i + 1);
     target.motion = motion;
+    target.track_start = CuedStart{State(1e4, 1e2, 1e4, 1e2).asDiagonal()};
     config.targets.push_back(target);
   }
   return config;
