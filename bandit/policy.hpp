@@ -58,7 +58,7 @@ class Policy {
 
   virtual std::string_view name() const = 0;
   /// Fills `decision`; no allocation once its vectors have grown.
-  void decide(const Situation& situation, Decision& decision);
+  virtual void decide(const Situation& situation, Decision& decision);
 
  private:
   /// Writes the score (and costs) of every candidate; the pairs are there already.

@@ -16,13 +16,12 @@
 #include <spdlog/spdlog.h>
 
 #include "daemon/config/config_reader.hpp"
+#include "daemon/exit_code.hpp"
 #include "daemon/service.hpp"
 #include "daemon/summary.hpp"
 
 namespace dwell {
 namespace {
-
-enum ExitCode { kDone = 0, kFailed = 1, kBadCommandLine = 2, kBadConfig = 78 };
 
 struct Flags {
   std::string config;
@@ -169,17 +168,7 @@ int main(int argc, char** argv) {
   google::protobuf::SetLogHandler(nullptr);
   spdlog::set_default_logger(spdlog::create_async<spdlog::sinks::stderr_color_sink_mt>("dwelld"));
   spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e %^%l%$ %v");
-  int code = kFailed;
-  try {
-    code = run(flags, signals);
-  } catch (const InvalidInput& error) {
-    for (const Violation& violation : error.violations()) {
-      std::cerr << to_string(error.source(), violation) << '\n';
-    }
-    code = kBadConfig;
-  } catch (const std::exception& error) {
-    std::cerr << "dwelld: " << error.what() << '\n';
-  }
+  const int code = report_errors("dwelld", [&] { return run(flags, signals); });
   spdlog::shutdown();
   return code;
 }

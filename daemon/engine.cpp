@@ -230,7 +230,7 @@ void Engine::report_truth() {
     const Target& target = targets_[links_[i].target];
     if (!tracks_[i].alive() || target.id != links_[i].id || !target.state) continue;
     report_.truth.push_back(
-        {tracks_[i].id, *target.state, target.trajectory->altitude_m(), target.trajectory->mode()});
+        {tracks_[i].id, links_[i].target, *target.state, target.trajectory->altitude_m(), target.trajectory->mode()});
   }
 }
 

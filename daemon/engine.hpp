@@ -23,6 +23,7 @@ struct LookReport {
 /// Simulation only: a living track and where its target truly is.
 struct TruthReport {
   TrackId track;
+  std::size_t target = 0;  ///< index into the config's targets
   State state;
   double altitude_m = 0.0;
   std::optional<int> mode;
@@ -62,6 +63,7 @@ class Engine {
 
   /// Take effect at the next scan.
   void set_policy(const PolicySettings& settings);
+  void set_policy(std::unique_ptr<Policy> policy) { policy_ = std::move(policy); }
   void set_sensor(std::size_t sensor, bool up) { sensor_up_[sensor] = up; }
 
   const EngineConfig& config() const { return config_; }

@@ -42,6 +42,7 @@ struct JumpMarkovMotion {
   State initial = State::Zero();
   double altitude_m = 0.0;
   JumpMarkovSystem system;
+  std::vector<std::string> mode_names;
   Eigen::VectorXd initial_probability;  ///< of the modes
   std::optional<Area> area;
 };

@@ -67,6 +67,7 @@ class ConfigReader {
     engine_.scan_period = from_seconds(period_s);
     if (config_.effective.has_seed()) engine_.seed = config_.effective.seed();
     config_.effective.set_seed(engine_.seed);
+    top_.integer("study_scans", 1, 1'000'000, config_.study_scans);
   }
 
   void read_sensors() {

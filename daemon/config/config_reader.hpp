@@ -15,6 +15,7 @@ struct DaemonConfig {
   std::string stream_bind = "tcp://127.0.0.1:5556";
   int stream_high_water_mark = 100000;  ///< 30 MB of the usual 300 B messages for a subscriber that stalls
   std::string control_bind = "tcp://127.0.0.1:5557";
+  int study_scans = 60;                 ///< a minute at the default period, as the papers' scenarios
   v1::Config effective;                 ///< the config with every default written out
 };
 

@@ -95,6 +95,7 @@ JumpMarkovMotion read_jump_markov(FieldReader& in, const EngineConfig& config) {
   const ModeBank bank =
       jump.has("bank") ? read_bank(jump.child("bank"), config.scan_period, config.bank) : config.bank;
   motion.initial_probability = bank.initial_probability;
+  for (const Mode& mode : bank.modes) motion.mode_names.push_back(mode.name);
   if (jump.has("initial_mode")) {
     std::string name;
     jump.text("initial_mode", name);

@@ -1,0 +1,247 @@
+#include "daemon/study/run_metrics.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <optional>
+
+#include "radar/assert.hpp"
+#include "tracker/metrics/nees.hpp"
+
+namespace dwell {
+namespace {
+
+const std::vector<std::string> kTotals{"x_variance_m2", "position_variance_m2", "weighted_variance_m2",
+                                       "position_rms_m", "x_rms_m", "y_rms_m", "position_mse_m2", "nees",
+                                       "mode_errors", "tracks_lost", "starvation_scans", "cramer_rao_rms_m"};
+
+/// Sums of one target over the scans that count.
+struct TargetSums {
+  double scans = 0.0;
+  double x_variance = 0.0;
+  double position_variance = 0.0;
+  double squared_x = 0.0;
+  double squared_y = 0.0;
+  double updates = 0.0;
+  double nees = 0.0;
+  double mode_errors = 0.0;
+  double bound = 0.0;
+  double looks = 0.0;
+  int starving = 0;       // scans since the last look
+  int starvation = 0;     // the longest of them
+  std::optional<CramerRaoBound> cramer_rao;
+};
+
+/// The motion that the bound takes the truth of a target to have: of its true mode, of its script's process noise,
+/// or of the bank's first mode where the truth is recorded.
+struct BoundModel {
+  std::vector<StateMatrix> f;
+  std::vector<StateMatrix> q;
+};
+
+struct MakeBoundModel {
+  const DiscreteBank& bank;
+  double dt_s;
+
+  BoundModel operator()(const ScriptedMotion& motion) const {
+    const StateMatrix& root = motion.process_noise_root;
+    return {{transition(ConstantVelocity{}, dt_s)}, {root * root.transpose()}};
+  }
+  BoundModel operator()(const JumpMarkovMotion& motion) const {
+    BoundModel model{motion.system.transition_matrix, {}};
+    for (const StateMatrix& root : motion.system.process_noise_root) model.q.push_back(root * root.transpose());
+    return model;
+  }
+  BoundModel operator()(const RecordedMotion& /*motion*/) const { return {{bank.f.front()}, {bank.q.front()}}; }
+};
+
+StateMatrix start_covariance(const TargetConfig& target) {
+  if (const auto* cued = std::get_if<CuedStart>(&target.track_start)) return cued->covariance;
+  const double speed = std::get<FirstPlotStart>(target.track_start).speed_sigma_mps;
+  return State(1e6, speed * speed, 1e6, speed * speed).asDiagonal();
+}
+
+class Measurer {
+ public:
+  Measurer(const EngineConfig& config, const TimeWindow& window)
+      : config_(config), window_(window), targets_(config.targets.size()) {
+    const double dt_s = to_seconds(config.scan_period);
+    const DiscreteBank bank = *discretise(config.bank, dt_s);
+    for (const TargetConfig& target : config.targets) {
+      models_.push_back(std::visit(MakeBoundModel{bank, dt_s}, target.motion));
+    }
+  }
+
+  ScanSample add(const Engine& engine) {
+    const ScanReport& report = engine.last();
+    const double time_s = to_seconds(report.time);
+    const bool counts = time_s >= window_.first_s && time_s <= window_.last_s;
+    ScanSample sample;
+    if (!report.looks.empty()) {
+      sample.sensor = static_cast<int>(report.looks.front().dwell.radar.number);
+      sample.track = static_cast<int>(report.looks.front().dwell.track.number);
+    }
+    double weighted = 0.0;
+    auto track = engine.tracks().begin();
+    for (const TruthReport& truth : report.truth) {
+      while (track->id != truth.track) ++track;
+      add_track(engine, truth, *track, counts, sample);
+      weighted += track->weight * position_block(track->combined.covariance).trace();
+    }
+    if (counts) {
+      weighted_variance_ += weighted;
+      ++scans_;
+    }
+    return sample;
+  }
+
+  std::vector<double> figures(const Engine& engine) const {
+    TargetSums all;
+    for (const TargetSums& target : targets_) {
+      all.scans += target.scans;
+      all.x_variance += target.x_variance;
+      all.position_variance += target.position_variance;
+      all.squared_x += target.squared_x;
+      all.squared_y += target.squared_y;
+      all.updates += target.updates;
+      all.nees += target.nees;
+      all.mode_errors += target.mode_errors;
+      all.bound += target.bound;
+      all.starvation = std::max(all.starvation, target.starvation);
+    }
+    const double scans = std::max(all.scans, 1.0);
+    std::vector<double> figures{all.x_variance / scans,
+                                all.position_variance / scans,
+                                weighted_variance_ / std::max(scans_, 1.0),
+                                std::sqrt((all.squared_x + all.squared_y) / scans),
+                                std::sqrt(all.squared_x / scans),
+                                std::sqrt(all.squared_y / scans),
+                                (all.squared_x + all.squared_y) / scans,
+                                all.nees / std::max(all.updates, 1.0),
+                                all.mode_errors,
+                                static_cast<double>(engine.counts().tracks_lost),
+                                static_cast<double>(all.starvation),
+                                std::sqrt(all.bound / scans)};
+    DWELL_ASSERT(figures.size() == kTotals.size());
+    for (const std::uint64_t looks : engine.counts().looks) figures.push_back(static_cast<double>(looks));
+    for (const TargetSums& target : targets_) figures.push_back(target.looks);
+    for (const TargetSums& target : targets_) {
+      figures.push_back(std::sqrt((target.squared_x + target.squared_y) / std::max(target.scans, 1.0)));
+    }
+    return figures;
+  }
+
+ private:
+  void add_track(const Engine& engine, const TruthReport& truth, const Track& track, bool counts,
+                 ScanSample& sample) {
+    const std::size_t index = truth.target;
+    TargetSums& sums = targets_[index];
+    const Vector2 error = position(truth.state) - position(track.combined.mean);
+    const double variance = position_block(track.combined.covariance).trace();
+    sample.tracks += 1.0;
+    sample.squared_x_error_m2 += error.x() * error.x();
+    sample.squared_y_error_m2 += error.y() * error.y();
+    sample.position_variance_m2 += variance;
+    bool looked = false;
+    bool updated = false;
+    advance_bound(engine, truth, track, looked, updated);
+    sums.looks += looked ? 1.0 : 0.0;
+    sums.starving = looked ? 0 : sums.starving + 1;
+    sums.starvation = std::max(sums.starvation, sums.starving);
+    if (!counts) return;
+    sums.scans += 1.0;
+    sums.x_variance += track.combined.covariance(kX, kX);
+    sums.position_variance += variance;
+    sums.squared_x += error.x() * error.x();
+    sums.squared_y += error.y() * error.y();
+    sums.bound += position_block(sums.cramer_rao->covariance()).trace();
+    if (truth.mode && mode_is_wrong(index, *truth.mode, track)) sums.mode_errors += 1.0;
+    if (updated) {
+      sums.nees += nees(truth.state, track.combined);
+      sums.updates += 1.0;
+    }
+  }
+
+  /// Also says whether the track was looked at, and updated.
+  void advance_bound(const Engine& engine, const TruthReport& truth, const Track& track, bool& looked,
+                     bool& updated) {
+    TargetSums& sums = targets_[truth.target];
+    if (!sums.cramer_rao) sums.cramer_rao.emplace(start_covariance(config_.targets[truth.target]));
+    const BoundModel& model = models_[truth.target];
+    const auto mode = static_cast<std::size_t>(model.f.size() > 1 ? truth.mode.value_or(0) : 0);
+    sums.cramer_rao->predict(model.f[mode], model.q[mode]);
+    const ScanReport& report = engine.last();
+    for (const LookReport& look : report.looks) {
+      if (look.dwell.track != track.id) continue;
+      looked = true;
+      updated = look.used_plot.has_value();
+      if (updated) sums.cramer_rao->look(*engine.sensors()[look.dwell.radar.number - 1], truth.state);
+    }
+  }
+
+  bool mode_is_wrong(std::size_t target, int true_mode, const Track& track) const {
+    Eigen::Index likeliest = 0;
+    track.estimate.probability.maxCoeff(&likeliest);
+    const auto* motion = std::get_if<JumpMarkovMotion>(&config_.targets[target].motion);
+    const auto& names = motion->mode_names;
+    return config_.bank.modes[static_cast<std::size_t>(likeliest)].name != names[static_cast<std::size_t>(true_mode)];
+  }
+
+  const EngineConfig& config_;
+  TimeWindow window_;
+  std::vector<TargetSums> targets_;
+  std::vector<BoundModel> models_;
+  double weighted_variance_ = 0.0;
+  double scans_ = 0.0;
+};
+
+class TimedPolicy final : public Policy {
+ public:
+  TimedPolicy(std::unique_ptr<Policy> policy, std::vector<double>& decision_us)
+      : policy_(std::move(policy)), decision_us_(decision_us) {}
+
+  std::string_view name() const override { return policy_->name(); }
+  void decide(const Situation& situation, Decision& decision) override {
+    const auto before = std::chrono::steady_clock::now();
+    policy_->decide(situation, decision);
+    const auto took = std::chrono::steady_clock::now() - before;
+    decision_us_.push_back(std::chrono::duration<double, std::micro>(took).count());
+  }
+
+ private:
+  void score(const Situation& /*situation*/, std::span<Candidate> /*candidates*/) override {}
+
+  std::unique_ptr<Policy> policy_;
+  std::vector<double>& decision_us_;
+};
+
+}  // namespace
+
+std::unique_ptr<Policy> timed(std::unique_ptr<Policy> policy, std::vector<double>& decision_us) {
+  return std::make_unique<TimedPolicy>(std::move(policy), decision_us);
+}
+
+std::vector<std::string> metric_names(const EngineConfig& config) {
+  std::vector<std::string> names = kTotals;
+  for (const SensorConfig& sensor : config.sensors) names.push_back("looks.radar." + sensor.name);
+  for (const TargetConfig& target : config.targets) names.push_back("looks.track." + target.name);
+  for (const TargetConfig& target : config.targets) names.push_back("position_rms_m.track." + target.name);
+  return names;
+}
+
+RunResult run_and_measure(const EngineConfig& config, std::uint64_t scans, const TimeWindow& window) {
+  Engine engine(config);
+  Measurer measurer(engine.config(), window);
+  RunResult result;
+  result.scans.reserve(scans);
+  result.decision_us.reserve(scans);
+  engine.set_policy(timed(make_policy(config.policy), result.decision_us));
+  while (engine.last().scan < scans) {
+    engine.scan();
+    result.scans.push_back(measurer.add(engine));
+  }
+  result.figures = measurer.figures(engine);
+  return result;
+}
+
+}  // namespace dwell
