@@ -10,6 +10,9 @@ struct Make {
   std::unique_ptr<Policy> operator()(const LargestVarianceSettings& s) const {
     return std::make_unique<LargestVariance>(s);
   }
+  std::unique_ptr<Policy> operator()(const BhattacharyyaSettings& s) const {
+    return std::make_unique<Bhattacharyya>(s);
+  }
 };
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <memory>
 #include <variant>
 
+#include "bandit/bhattacharyya.hpp"
 #include "bandit/fixed.hpp"
 #include "bandit/largest_variance.hpp"
 #include "bandit/policy.hpp"
@@ -12,7 +13,8 @@
 namespace dwell {
 
 /// Every policy's settings; the default first.
-using PolicySettings = std::variant<SaImmSettings, RoundRobinSettings, FixedSettings, LargestVarianceSettings>;
+using PolicySettings = std::variant<SaImmSettings, RoundRobinSettings, FixedSettings, LargestVarianceSettings,
+                                    BhattacharyyaSettings>;
 
 std::unique_ptr<Policy> make_policy(const PolicySettings& settings);
 

@@ -31,6 +31,8 @@ PolicySettings read(FieldReader in, SaImmSettings settings, int /*sensors*/) {
   return settings;
 }
 
+PolicySettings read(FieldReader /*in*/, BhattacharyyaSettings settings, int /*sensors*/) { return settings; }
+
 /// One row for each policy: the field of dwell.v1.Policy, what it does, and how its message is read.
 struct Row {
   const char* field;
@@ -49,6 +51,7 @@ constexpr Row kRows[] = {
     {"largest_variance", "the largest predicted position variance, by the sensor that reduces it most",
      read_row<LargestVarianceSettings>},
     {"sa_imm", "the least expected cost one step ahead", read_row<SaImmSettings>},
+    {"bhattacharyya", "the least bound on mode errors", read_row<BhattacharyyaSettings>},
 };
 
 std::string lower(std::string text) {
