@@ -1,18 +1,20 @@
 #include "radar/jump_markov_trajectory.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <complex>
 #include <utility>
 
 namespace dwell {
 namespace {
 
-State rotate_velocity(const State& x, double angle_rad, double dt_s) {
-  const double s = std::sin(angle_rad);
-  const double c = std::cos(angle_rad);
-  const Vector2 v = velocity(x);
-  const Vector2 left(-v.y(), v.x());
-  const Vector2 along = dt_s / angle_rad * (s * v + (1.0 - c) * left);
-  return make_state(position(x) + along, c * v + s * left);
+/// A turn at rate w that slows down at rate d: v(t) = v exp((i w - d) t), x + i y; the position is its integral.
+State spiral(const State& x, double w, double d, double dt_s) {
+  const std::complex<double> v(velocity(x).x(), velocity(x).y());
+  const std::complex<double> rate(-d, w);
+  const std::complex<double> turned = v * std::exp(rate * dt_s);
+  const std::complex<double> along = (turned - v) / rate;
+  return make_state(position(x) + Vector2(along.real(), along.imag()), {turned.real(), turned.imag()});
 }
 
 }  // namespace
@@ -47,7 +49,9 @@ void JumpMarkovTrajectory::step() {
   for (double& value : draw) value = stream_.normal();
   if (const auto rate = turn_back_rate()) {
     const double dt_s = to_seconds(script_.scan_period);
-    state_ = rotate_velocity(state_, *rate * dt_s, dt_s);
+    const double speed = velocity(state_).norm();
+    const double wanted = std::max(velocity(script_.initial).norm(), speed * std::exp(-std::abs(*rate) * dt_s));
+    state_ = spiral(state_, *rate, speed > wanted ? std::log(speed / wanted) / dt_s : 0.0, dt_s);
     return;
   }
   const auto mode = static_cast<std::size_t>(mode_);

@@ -14,7 +14,10 @@ struct JumpMarkovSystem {
   Eigen::MatrixXd transition;                   ///< M x M, rows sum to one
 };
 
-/// Where a target turns back: outside the circle and still leaving, it turns left or right towards the centre.
+/// Where a target turns back: outside the circle and still leaving, it turns left or right towards the centre. Where
+/// it has become faster than at its start it slows down there, by as much as it turns: the speeds that white-noise
+/// accelerations add up to grow without limit, 2000 m/s in a day.
+/// Requires a turning circle (speed / rate) inside the area; a wider one is flown round the area, outside it.
 struct Area {
   Vector2 centre_m = Vector2::Zero();
   double radius_m = 0.0;

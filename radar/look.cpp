@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <Eigen/Cholesky>
 
@@ -19,7 +20,8 @@ bool in_footprint(const Sensor& sensor, const Vector2& z, const Vector2& centre)
 void add_false_alarms(const Sensor& sensor, const Dwell& dwell, const Vector2& centre, RandomStream stream,
                       std::vector<Plot>& plots) {
   if (sensor.clutter_density() <= 0.0) return;
-  const Vector2 half = sensor.footprint_half_extent();
+  const Vector2 extent = sensor.footprint_half_extent();
+  const Vector2 half(extent[0], std::min(extent[1], std::numbers::pi));  // no direction counts twice
   const double near = std::max(0.0, centre[0] - half[0]);
   const double far = std::min(sensor.largest_range(), centre[0] + half[0]);
   if (far <= near) return;

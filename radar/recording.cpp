@@ -21,6 +21,7 @@ constexpr std::string_view kHeader = "time_s,lat,lon,alt_m,id";
 constexpr std::size_t kColumns = 5;
 constexpr std::size_t kMostViolations = 50;  // enough to see what is wrong with a file of another kind
 constexpr int kLeastSamples = 4;
+constexpr double kLargestTime_s = 4.6e9;  // to the year 2115; two of them apart still fit in nanoseconds
 
 std::vector<std::string_view> split(std::string_view line) {
   std::vector<std::string_view> fields;
@@ -60,7 +61,7 @@ class RecordingReader {
       refuse("row", line, "must have 5 columns: " + std::string(kHeader));
       return;
     }
-    const auto time_s = number("time_s", fields[0], 9e9);
+    const auto time_s = number("time_s", fields[0], kLargestTime_s);
     const auto latitude = number("lat", fields[1], 90.0);
     const auto longitude = number("lon", fields[2], 180.0);
     const auto altitude = number("alt_m", fields[3], 1e6);
@@ -88,16 +89,17 @@ class RecordingReader {
     const auto same = [&](const RecordedFlight& flight) { return flight.id == id; };
     const auto found = std::find_if(flights_.rbegin(), flights_.rend(), same);
     if (found != flights_.rend()) return *found;
+    first_line_.push_back(line_);
     return flights_.emplace_back(RecordedFlight{std::string(id), {}});
   }
 
   void check_lengths() {
+    if (!violations_.empty()) return;  // refused rows count for nothing
     line_ = 0;
-    if (violations_.empty() && flights_.empty()) refuse("file", "", "has no rows");
-    for (const RecordedFlight& flight : flights_) {
-      if (violations_.empty() && std::ssize(flight.samples) < kLeastSamples) {
-        refuse("id", flight.id, "has fewer than 4 rows");
-      }
+    if (flights_.empty()) refuse("file", "", "has no rows");
+    for (std::size_t i = 0; i < flights_.size(); ++i) {
+      line_ = first_line_[i];
+      if (std::ssize(flights_[i].samples) < kLeastSamples) refuse("id", flights_[i].id, "has fewer than 4 rows");
     }
   }
 
@@ -108,6 +110,7 @@ class RecordingReader {
   std::string_view source_;
   int line_ = 0;
   std::vector<RecordedFlight> flights_;
+  std::vector<int> first_line_;  // of each flight
   std::vector<Violation> violations_;
 };
 
@@ -133,10 +136,13 @@ Eigen::Matrix3Xd natural_curvature(const std::vector<Duration>& times, const Eig
   return m;
 }
 
+/// a + b, or the largest duration where that is larger still. Requires b >= 0.
+Duration saturating_sum(Duration a, Duration b) { return a > Duration::max() - b ? Duration::max() : a + b; }
+
 /// The sample range [first, last) of a span.
 std::pair<std::size_t, std::size_t> span_of(const RecordedFlight& flight, Duration begin, Duration length) {
-  const Duration from = flight.samples.front().unix_time + begin;
-  const Duration to = length > Duration::max() - from ? Duration::max() : from + length;
+  const Duration from = saturating_sum(flight.samples.front().unix_time, begin);
+  const Duration to = saturating_sum(from, length);
   const auto before = [](const RecordedFlight::Sample& sample, Duration time) { return sample.unix_time < time; };
   const auto after = [](Duration time, const RecordedFlight::Sample& sample) { return time < sample.unix_time; };
   const auto& samples = flight.samples;

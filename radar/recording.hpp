@@ -23,7 +23,8 @@ struct RecordedFlight {
 };
 
 /// Reads CSV with the header `time_s,lat,lon,alt_m,id`; flights in the order in which their ids first appear.
-/// Requires finite numbers, |lat| <= 90, |lon| <= 180, times that increase within an id, four rows or more an id.
+/// Requires finite numbers, |lat| <= 90, |lon| <= 180, |alt_m| <= 1e6, |time_s| <= 4.6e9, times that increase within an
+/// id, four rows or more an id.
 /// Errors   InvalidInput with every violation and its line; `source` names the input in it.
 std::vector<RecordedFlight> read_recording(std::istream& input, std::string_view source);
 
@@ -36,7 +37,7 @@ std::vector<RecordedFlight> read_recording(std::istream& input, std::string_view
 class FlightPath {
  public:
   /// Uses the samples from `begin` after the flight's first on, for `length` at most.
-  /// Requires four samples in that span (see `samples_in`).
+  /// Requires begin and length of 0 or more, and four samples in that span (see `samples_in`).
   FlightPath(const RecordedFlight& flight, Duration begin, Duration length);
 
   Duration length() const { return times_.back(); }
