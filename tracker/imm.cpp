@@ -57,6 +57,7 @@ Numerics update(std::span<const PredictedMeasurement> predicted, std::span<const
   DWELL_ASSERT(std::ssize(predicted) == count && std::ssize(innovation) == count && count <= kMostOnStack);
   Weights log_weight(count);
   for (int j = 0; j < count; ++j) {
+    if (!innovation[j].allFinite()) return Numerics::kNotFinite;
     log_weight[j] = std::log(estimate.probability[j]) + predicted[j].log_likelihood(innovation[j]);
   }
   const double largest = log_weight.maxCoeff<Eigen::PropagateNaN>();

@@ -348,6 +348,23 @@ void expect_same(const ImmEstimate& actual, const ImmEstimate& expected) {
   }
 }
 
+TEST(Update, InnovationThatIsNotFiniteLeavesTheEstimateAlone) {
+  RandomStream stream(10);
+  const ImmEstimate before = random_estimate(stream, 3);
+  const auto predicted = measure_position(before, 100.0 * Matrix2::Identity());
+  for (const double bad : {kNan, std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()}) {
+    for (std::size_t where = 0; where < 3; ++where) {
+      for (int component = 0; component < 2; ++component) {
+        ImmEstimate estimate = before;
+        std::vector<Vector2> innovations(3, Vector2(10.0, 10.0));
+        innovations[where][component] = bad;
+        EXPECT_EQ(update(predicted, innovations, estimate), Numerics::kNotFinite) << bad << " in mode " << where;
+        expect_same(estimate, before);
+      }
+    }
+  }
+}
+
 // (1e200)^2 overflows: no mode has a finite likelihood.
 TEST(Update, DistancesBeyondAllNumbersLeaveTheEstimateAlone) {
   RandomStream stream(11);
