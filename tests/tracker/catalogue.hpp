@@ -1,6 +1,7 @@
 #pragma once
 
 #include <ostream>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -55,6 +56,14 @@ inline StateMatrix generator(const Motion& motion) {
   a(kVy, kVx) = turn_rate(motion);
   a(kVx, kVy) = -turn_rate(motion);
   return a;
+}
+
+/// The names of all banks, out of `bank_names()`.
+inline std::vector<std::string> every_bank() {
+  std::vector<std::string> names;
+  std::istringstream text(bank_names());
+  for (std::string name; std::getline(text >> std::ws, name, ',');) names.push_back(name);
+  return names;
 }
 
 }  // namespace dwell::catalogue

@@ -1,13 +1,12 @@
 #include "tracker/mode_bank.hpp"
 
 #include <cmath>
-#include <sstream>
 #include <string>
-#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "radar/frames.hpp"
+#include "tests/tracker/catalogue.hpp"
 #include "tests/tracker/matrices.hpp"
 
 namespace dwell {
@@ -27,13 +26,6 @@ Eigen::MatrixXd matrix(std::initializer_list<std::initializer_list<double>> rows
 }
 
 const Eigen::MatrixXd kTwoModes = matrix({{.95, .05}, {.3, .7}});
-
-std::vector<std::string> every_bank() {
-  std::vector<std::string> names;
-  std::istringstream text(bank_names());
-  for (std::string name; std::getline(text >> std::ws, name, ',');) names.push_back(name);
-  return names;
-}
 
 TEST(TransitionOver, NoTimeIsTheIdentity) {
   EXPECT_EQ(transition_over(kTwoModes, 0.0).value(), Eigen::MatrixXd::Identity(2, 2));
@@ -83,7 +75,7 @@ class NamedBankLaw : public testing::TestWithParam<std::string> {
   ModeBank bank() const { return named_bank(GetParam()).value(); }
 };
 
-INSTANTIATE_TEST_SUITE_P(Every, NamedBankLaw, testing::ValuesIn(every_bank()),
+INSTANTIATE_TEST_SUITE_P(Every, NamedBankLaw, testing::ValuesIn(catalogue::every_bank()),
                          [](const auto& row) { return row.param; });
 
 TEST_P(NamedBankLaw, IsAProbabilityModel) {
