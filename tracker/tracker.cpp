@@ -5,8 +5,6 @@
 #include <limits>
 #include <utility>
 
-#include <Eigen/LU>
-
 #include "radar/assert.hpp"
 
 namespace dwell {
@@ -41,10 +39,9 @@ std::optional<Gaussian> Tracker::belief_from(const Plot& plot, const Sensor& sen
   if (!place) return std::nullopt;
   Gaussian belief;
   belief.mean = make_state(*place, Vector2::Zero());
-  const Matrix2 g = (sensor.jacobian(belief.mean) * position_selector().transpose()).inverse();
   const double speed_variance = speed_sigma_mps * speed_sigma_mps;
   belief.covariance = State(0.0, speed_variance, 0.0, speed_variance).asDiagonal();
-  belief.covariance({kX, kY}, {kX, kY}) = g * sensor.noise(belief.mean) * g.transpose();
+  belief.covariance({kX, kY}, {kX, kY}) = position_noise(sensor, belief.mean);
   return belief;
 }
 
