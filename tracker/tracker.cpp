@@ -61,8 +61,11 @@ LookOutcome Tracker::look(Track& track, const Sensor& sensor, const Dwell& dwell
     return outcome;
   }
   double best = -std::numeric_limits<double>::infinity();
+  bool had_plots = false;
   for (std::size_t i = 0; i < plots.size(); ++i) {
-    if (!plots[i].z.allFinite() || !gated_innovations(track, sensor, plots[i])) continue;
+    if (!plots[i].z.allFinite()) continue;
+    had_plots = true;
+    if (!gated_innovations(track, sensor, plots[i])) continue;
     if (const double density = log_density(track); !outcome.used_plot || density > best) {
       best = density;
       outcome.used_plot = i;
@@ -70,7 +73,7 @@ LookOutcome Tracker::look(Track& track, const Sensor& sensor, const Dwell& dwell
     }
   }
   if (!outcome.used_plot) {
-    miss(track, sensor, !plots.empty());
+    miss(track, sensor, had_plots);
     return outcome;
   }
   track.nis = mixture_squared_distance(measurements_, track.estimate.probability, best_innovations_);

@@ -241,6 +241,15 @@ TEST(Look, PlotsThatAreNotFiniteArePassedOver) {
   expect_same_belief(track, alone);
 }
 
+// No plot was outside the gate: it has no reason to widen.
+TEST(Look, PlotsThatAreNotFiniteAreNoRejection) {
+  Tracker tracker = named_tracker("cruise_and_turn");
+  Track track = tracker.start(TrackId{1}, "one", belief_at_origin());
+  EXPECT_FALSE(look(tracker, track, {plot_at(kNan, kNan)}).used_plot);
+  EXPECT_EQ(track.status, TrackStatus::kCoasting);
+  EXPECT_EQ(track.rejections, 0);
+}
+
 TEST(Look, WithoutPlotsOrWithFalseOnesOnlyTheBeliefStays) {
   Tracker tracker = named_tracker("cruise_and_turn");
   const Track before = tracker.start(TrackId{1}, "one", belief_at_origin());
