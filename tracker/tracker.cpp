@@ -13,6 +13,9 @@ namespace {
 /// A certain detection that fails still is no proof that the target is gone: it is counted as this P_d.
 constexpr double kLargestBelievedDetection = 0.99;
 
+/// Of a sum of logarithms: runs of just the limit's probability, .1^8 or .01^4 of 1e-8, count as reaching it.
+constexpr double kLogRounding = 1e-9;
+
 }  // namespace
 
 Tracker::Tracker(DiscreteBank bank, Eigen::VectorXd initial_probability, const TrackerSettings& settings)
@@ -122,7 +125,8 @@ void Tracker::miss(Track& track, const Sensor& sensor, bool had_plots) const {
   if (had_plots) ++track.rejections;
   const double detection = sensor.detection_probability(track.combined.mean);
   track.log_miss_probability += std::log1p(-std::min(detection, kLargestBelievedDetection));
-  if (track.log_miss_probability < std::log(settings_.lost_probability)) track.lose(LossCause::kNoPlots);
+  const double limit = std::log(settings_.lost_probability) + kLogRounding;
+  if (track.log_miss_probability <= limit) track.lose(LossCause::kNoPlots);
 }
 
 }  // namespace dwell

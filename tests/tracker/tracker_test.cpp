@@ -265,6 +265,28 @@ TEST(Look, WithoutPlotsOrWithFalseOnesOnlyTheBeliefStays) {
   }
 }
 
+/// Looks without a plot until the track is lost.
+int looks_until_lost(double detection_probability) {
+  Tracker tracker = one_mode_tracker();
+  Track track = tracker.start(TrackId{1}, "one", belief_at_origin());
+  int looks = 0;
+  for (; track.alive() && looks < 1000; ++looks) {
+    EXPECT_EQ(track.status, looks == 0 ? TrackStatus::kConfirmed : TrackStatus::kCoasting);
+    look(tracker, track, {}, position_sensor(detection_probability));
+  }
+  EXPECT_TRUE(track.alive() || track.loss == LossCause::kNoPlots);
+  return looks;
+}
+
+// The least n with (1 - P_d)^n <= 1e-8: .1^8 and .01^4 are just that (P_d = 1 is believed as .99), .5^27 = 7.5e-9.
+TEST(Look, TrackIsLostWhenItsMissesAreNotToBeBelieved) {
+  EXPECT_EQ(looks_until_lost(0.9), 8);
+  EXPECT_EQ(looks_until_lost(0.5), 27);
+  EXPECT_EQ(looks_until_lost(0.99), 4);
+  EXPECT_EQ(looks_until_lost(1.0), 4);
+  EXPECT_EQ(looks_until_lost(0.0), 1000);  // a look that cannot see says nothing
+}
+
 TEST(Look, OnePlotConfirmsAgainAndForgetsTheMisses) {
   Tracker tracker = one_mode_tracker();
   Track track = tracker.start(TrackId{1}, "one", belief_at_origin());
