@@ -23,11 +23,11 @@ Vector2 to_cartesian(const Vector2& origin_m, const Polar& polar) {
 
 Matrix2 polar_jacobian(const Vector2& origin_m, const Vector2& point_m) {
   const Vector2 d = point_m - origin_m;
-  const double range_m = std::max(d.norm(), kLeastRange);
-  const double s = d.x() / range_m;
-  const double c = d.y() / range_m;
+  const double distance_m = d.norm();
+  const Vector2 u = distance_m > 0.0 ? Vector2(d / distance_m) : Vector2(0.0, 1.0);
+  const double range_m = std::max(distance_m, kLeastRange);
   Matrix2 jacobian;
-  jacobian << s, c, c / range_m, -s / range_m;
+  jacobian << u.x(), u.y(), u.y() / range_m, -u.x() / range_m;
   return jacobian;
 }
 

@@ -26,7 +26,7 @@ Polar to_polar(const Vector2& origin_m, const Vector2& point_m);
 Vector2 to_cartesian(const Vector2& origin_m, const Polar& polar);
 
 /// d(range, azimuth) / d(x, y) of `point` as seen from `origin`, 2 x 2: m/m and rad/m.
-/// Requires range > 0; the caller bounds it (see kLeastRange).
+/// Nearer than kLeastRange it is that of the point in the same direction there; north where the two coincide.
 Matrix2 polar_jacobian(const Vector2& origin_m, const Vector2& point_m);
 
 /// Nearer than this a bearing means nothing: sensors do not look, and jacobians are taken here. Metres.

@@ -57,16 +57,17 @@ Numerics update(std::span<const PredictedMeasurement> predicted, std::span<const
   DWELL_ASSERT(std::ssize(predicted) == count && std::ssize(innovation) == count && count <= kMostOnStack);
   Weights log_weight(count);
   for (int j = 0; j < count; ++j) {
+    if (!innovation[j].allFinite()) return Numerics::kNotFinite;
     log_weight[j] = std::log(estimate.probability[j]) + predicted[j].log_likelihood(innovation[j]);
   }
   const double largest = log_weight.maxCoeff<Eigen::PropagateNaN>();
   if (!std::isfinite(largest)) return Numerics::kNotFinite;
-  Weights weight = (log_weight.array() - largest).exp();
-  weight /= weight.sum();
+  // Element by element: the vectorised exponential of Eigen gives an impossible mode the least number, not zero.
+  const Weights weight = log_weight.unaryExpr([&](double value) { return std::exp(value - largest); });
+  const double sum = weight.sum();
   for (int j = 0; j < count; ++j) {
-    // The innovation is finite in every mode once the likelihoods are, and with it the update.
     estimate.modes[j] = kalman_update(estimate.modes[j], predicted[j], innovation[j]);
-    estimate.probability[j] = weight[j];
+    estimate.probability[j] = weight[j] / sum;
   }
   return Numerics::kOk;
 }

@@ -43,7 +43,7 @@ Numerics predict(const DiscreteBank& bank, const ImmEstimate& estimate, ImmEstim
 ///   mu_j proportional to c_j N(nu_j; 0, S_j), by log-sum-exp
 ///
 /// `innovation[j]` = z - z_j, bearings the short way round. In place; on an error the estimate is unchanged.
-/// Errors   kNotFinite where no mode has a finite likelihood, or an updated estimate is not finite.
+/// Errors   kNotFinite where an innovation is not finite, a likelihood is NaN, or no mode has a finite one.
 Numerics update(std::span<const PredictedMeasurement> predicted, std::span<const Vector2> innovation,
                 ImmEstimate& estimate);
 

@@ -11,16 +11,18 @@ bool converts(const Sensor& sensor, UpdateForm form) {
 
 }  // namespace
 
+Matrix2 position_noise(const Sensor& sensor, const State& x) {
+  const Matrix2 g = (sensor.jacobian(x) * position_selector().transpose()).inverse();
+  const Matrix2 r = g * sensor.noise(x) * g.transpose();
+  return 0.5 * (r + r.transpose());
+}
+
 Numerics predict_measurements(const Sensor& sensor, UpdateForm form, const ImmEstimate& predicted,
                               std::vector<PredictedMeasurement>& out) {
   out.resize(predicted.modes.size());
   const State centre = combined_mean(predicted);
-  Matrix2 r = sensor.noise(centre);
   const bool converted = converts(sensor, form);
-  if (converted) {
-    const Matrix2 g = (sensor.jacobian(centre) * position_selector().transpose()).inverse();
-    r = g * r * g.transpose();
-  }
+  const Matrix2 r = converted ? position_noise(sensor, centre) : sensor.noise(centre);
   for (std::size_t j = 0; j < out.size(); ++j) {
     const Gaussian& mode = predicted.modes[j];
     out[j].z = converted ? position(mode.mean) : sensor.measure(mode.mean);

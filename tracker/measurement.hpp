@@ -9,16 +9,23 @@ namespace dwell {
 /// How a plot meets the state.
 enum class UpdateForm {
   kEkf,        ///< in the sensor's own measurement, h linearised at each mode's mean
-  kConverted,  ///< plot turned into x and y, covariance D D' (see below); other sensors as kEkf
+  kConverted,  ///< plot turned into x and y with `position_noise`; other sensors as kEkf
 };
+
+/// Covariance of the position that a plot of a target at x stands for, 2 x 2, m^2, exactly symmetric.
+///
+///   G R G' with G = (dz / d(x, y))^-1 at x
+///
+/// For range and bearing the D D' of Evans et al. (2005), V. It neglects the bias of the conversion,
+/// sigma_azimuth^2 range / 2 in range: 0.3 m at 100 km and 0.14 deg.
+/// Requires a sensor whose measurement is a position (`position_of`).
+Matrix2 position_noise(const Sensor& sensor, const State& x);
 
 /// Predicted measurement of a sensor for every mode of a predicted estimate.
 ///
 /// R is the sensor's at the mode-weighted predicted position x, the same for every mode.
 ///   kEkf         z_j = h(x_j), H_j = dh/dx at x_j
-///   kConverted   z_j = (x, y) of x_j, R = G R_polar G' with G = (d(range, azimuth)/d(x, y))^-1 at x: the D D' of
-///                Evans et al. (2005), V. It neglects the bias of the conversion, sigma_azimuth^2 R / 2 in range:
-///                0.3 m at 100 km and 0.14 deg.
+///   kConverted   z_j = (x, y) of x_j, R = position_noise at x
 /// `out` is resized to the number of modes; no allocation when it has that size.
 /// Errors   kNotPositiveDefinite.
 Numerics predict_measurements(const Sensor& sensor, UpdateForm form, const ImmEstimate& predicted,

@@ -1,6 +1,7 @@
 #include "tracker/mode_bank.hpp"
 
 #include <cmath>
+#include <utility>
 
 #include <unsupported/Eigen/MatrixFunctions>
 
@@ -15,13 +16,16 @@ std::optional<Eigen::MatrixXd> transition_over(const Eigen::MatrixXd& transition
     for (long i = 0; i < static_cast<long>(whole); ++i) power = power * transition;
     return power;
   }
+  constexpr double kRounding = 1e-12;  // of the exponential, with room
+  constexpr double kSameChain = 1e-9;  // far above the logarithm's rounding, far below any probability that matters
   const Eigen::MatrixXd generator = transition.log();
+  if (!generator.allFinite()) return std::nullopt;
+  // A negative eigenvalue has a complex logarithm, whose real part generates another chain.
+  if ((generator.exp() - transition).cwiseAbs().maxCoeff() > kSameChain) return std::nullopt;
   Eigen::MatrixXd result = (ratio * generator).exp();
-  constexpr double kRounding = 1e-12;
   if (!result.allFinite() || result.minCoeff() < -kRounding) return std::nullopt;
   result = result.cwiseMax(0.0);
   const Eigen::VectorXd sums = result.rowwise().sum();
-  if ((sums.array() - 1.0).abs().maxCoeff() > 1e-9) return std::nullopt;
   return Eigen::MatrixXd(sums.cwiseInverse().asDiagonal() * result);
 }
 

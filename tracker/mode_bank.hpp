@@ -40,7 +40,8 @@ struct DiscreteBank {
 /// Requires `divides(mode.noise, dt_s)` of every mode.
 std::optional<DiscreteBank> discretise(const ModeBank& bank, double dt_s);
 
-/// Stochastic matrix over `ratio` of the interval that `transition` is given for; empty where there is none.
+/// Stochastic matrix over `ratio` of the interval that `transition` is given for; empty where there is none, or none
+/// by the principal logarithm. Requires ratio >= 0.
 std::optional<Eigen::MatrixXd> transition_over(const Eigen::MatrixXd& transition, double ratio);
 
 /// The named banks, tracker/named_banks.cpp. Empty for an unknown name.

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "radar/assert.hpp"
+#include "tracker/gaussian.hpp"
 
 namespace dwell {
 namespace {
@@ -12,7 +13,7 @@ StateMatrix sum_of_steps(const Motion& motion, const StateMatrix& each, double s
   DWELL_ASSERT(std::abs(dt_s / step_s - static_cast<double>(steps)) < 1e-9);
   const StateMatrix f = transition(motion, step_s);
   StateMatrix sum = StateMatrix::Zero();
-  for (long i = 0; i < steps; ++i) sum = f * sum * f.transpose() + each;
+  for (long i = 0; i < steps; ++i) sum = symmetric_part(f * sum * f.transpose() + each);
   return sum;
 }
 

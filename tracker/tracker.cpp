@@ -5,8 +5,6 @@
 #include <limits>
 #include <utility>
 
-#include <Eigen/LU>
-
 #include "radar/assert.hpp"
 
 namespace dwell {
@@ -14,6 +12,9 @@ namespace {
 
 /// A certain detection that fails still is no proof that the target is gone: it is counted as this P_d.
 constexpr double kLargestBelievedDetection = 0.99;
+
+/// Of a sum of logarithms: runs of just the limit's probability, .1^8 or .01^4 of 1e-8, count as reaching it.
+constexpr double kLogRounding = 1e-9;
 
 }  // namespace
 
@@ -41,10 +42,9 @@ std::optional<Gaussian> Tracker::belief_from(const Plot& plot, const Sensor& sen
   if (!place) return std::nullopt;
   Gaussian belief;
   belief.mean = make_state(*place, Vector2::Zero());
-  const Matrix2 g = (sensor.jacobian(belief.mean) * position_selector().transpose()).inverse();
   const double speed_variance = speed_sigma_mps * speed_sigma_mps;
   belief.covariance = State(0.0, speed_variance, 0.0, speed_variance).asDiagonal();
-  belief.covariance({kX, kY}, {kX, kY}) = g * sensor.noise(belief.mean) * g.transpose();
+  belief.covariance({kX, kY}, {kX, kY}) = position_noise(sensor, belief.mean);
   return belief;
 }
 
@@ -64,8 +64,11 @@ LookOutcome Tracker::look(Track& track, const Sensor& sensor, const Dwell& dwell
     return outcome;
   }
   double best = -std::numeric_limits<double>::infinity();
+  bool had_plots = false;
   for (std::size_t i = 0; i < plots.size(); ++i) {
-    if (!plots[i].z.allFinite() || !gated_innovations(track, sensor, plots[i])) continue;
+    if (!plots[i].z.allFinite()) continue;
+    had_plots = true;
+    if (!gated_innovations(track, sensor, plots[i])) continue;
     if (const double density = log_density(track); !outcome.used_plot || density > best) {
       best = density;
       outcome.used_plot = i;
@@ -73,7 +76,7 @@ LookOutcome Tracker::look(Track& track, const Sensor& sensor, const Dwell& dwell
     }
   }
   if (!outcome.used_plot) {
-    miss(track, sensor, !plots.empty());
+    miss(track, sensor, had_plots);
     return outcome;
   }
   track.nis = mixture_squared_distance(measurements_, track.estimate.probability, best_innovations_);
@@ -122,7 +125,8 @@ void Tracker::miss(Track& track, const Sensor& sensor, bool had_plots) const {
   if (had_plots) ++track.rejections;
   const double detection = sensor.detection_probability(track.combined.mean);
   track.log_miss_probability += std::log1p(-std::min(detection, kLargestBelievedDetection));
-  if (track.log_miss_probability < std::log(settings_.lost_probability)) track.lose(LossCause::kNoPlots);
+  const double limit = std::log(settings_.lost_probability) + kLogRounding;
+  if (track.log_miss_probability <= limit) track.lose(LossCause::kNoPlots);
 }
 
 }  // namespace dwell

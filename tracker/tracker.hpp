@@ -16,7 +16,7 @@ struct TrackerSettings {
   /// 16: a matched mode rejects 3.4e-4 of its plots (chi-square, 2 degrees of freedom). The widening is what saves
   /// a manoeuvring track: a rejected plot adds no evidence of a manoeuvre.
   double gate = 16.0;
-  /// A track is lost when its run of looks without a plot in the gate has a smaller probability, prod (1 - P_d).
+  /// A track is lost when its run of looks without a plot in the gate has this probability or less, prod (1 - P_d).
   /// 1e-8: 8 looks at P_d = .9, one false loss in 1e8 / (looks per second) seconds of a healthy track.
   double lost_probability = 1e-8;
 };

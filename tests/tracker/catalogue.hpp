@@ -1,0 +1,69 @@
+#pragma once
+
+#include <ostream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "radar/frames.hpp"
+#include "tracker/mode_bank.hpp"
+
+/// The motions and noises over which the laws are run. A new alternative of either variant gets its rows here.
+namespace dwell::catalogue {
+
+struct NamedMotion {
+  std::string name;
+  Motion motion;
+  friend void PrintTo(const NamedMotion& row, std::ostream* out) { *out << row.name; }
+};
+
+static_assert(std::variant_size_v<Motion> == 2, "a new motion needs a row below");
+inline std::vector<NamedMotion> every_motion() {
+  return {{"constant_velocity", ConstantVelocity{}},
+          {"left_turn", CoordinatedTurn{10.0 * kDegree}},
+          {"right_turn", CoordinatedTurn{-10.0 * kDegree}},
+          {"several_circles", CoordinatedTurn{3.0}},
+          {"slow_turn", CoordinatedTurn{-1e-4}},
+          {"hardly_a_turn", CoordinatedTurn{1e-12}}};
+}
+
+struct NamedNoise {
+  std::string name;
+  ProcessNoise noise;
+  friend void PrintTo(const NamedNoise& row, std::ostream* out) { *out << row.name; }
+};
+
+static_assert(std::variant_size_v<ProcessNoise> == 4, "a new noise needs a row below");
+inline std::vector<NamedNoise> every_noise() {
+  return {{"none", NoProcessNoise{}},
+          {"white", WhiteNoiseAcceleration{0.1}},
+          {"strong_white", WhiteNoiseAcceleration{2000.0}},
+          {"piecewise", PiecewiseAcceleration{3.0}},
+          {"piecewise_quarter", PiecewiseAcceleration{100.0, 0.25}},
+          {"diagonal", DiagonalNoise{{0.3, 0.3, 0.1, 0.1}, 0.5}}};
+}
+
+/// The rate of a motion, rad/s, counter-clockwise positive.
+inline double turn_rate(const Motion& motion) {
+  const auto* turn = std::get_if<CoordinatedTurn>(&motion);
+  return turn == nullptr ? 0.0 : turn->turn_rate_radps;
+}
+
+/// x' = A x: the motion as a differential equation, p' = v and v' = w (-vy, vx).
+inline StateMatrix generator(const Motion& motion) {
+  StateMatrix a = StateMatrix::Zero();
+  a(kX, kVx) = a(kY, kVy) = 1.0;
+  a(kVy, kVx) = turn_rate(motion);
+  a(kVx, kVy) = -turn_rate(motion);
+  return a;
+}
+
+/// The names of all banks, out of `bank_names()`.
+inline std::vector<std::string> every_bank() {
+  std::vector<std::string> names;
+  std::istringstream text(bank_names());
+  for (std::string name; std::getline(text >> std::ws, name, ',');) names.push_back(name);
+  return names;
+}
+
+}  // namespace dwell::catalogue

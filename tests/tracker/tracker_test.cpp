@@ -1,0 +1,365 @@
+#include "tracker/tracker.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <Eigen/Eigenvalues>
+#include <gtest/gtest.h>
+
+#include "radar/linear_sensor.hpp"
+#include "radar/range_bearing_radar.hpp"
+#include "tests/scale.hpp"
+#include "tests/statistics.hpp"
+#include "tests/tracker/matrices.hpp"
+
+namespace dwell {
+namespace {
+
+using matrices::kEpsilon;
+using matrices::near;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Sees position with 1-sigma 3 m on each axis.
+LinearSensor position_sensor(double detection_probability = 0.9) {
+  return {position_selector(), 9.0 * Matrix2::Identity(), detection_probability};
+}
+
+/// One mode of constant velocity without noise, over one second.
+Tracker one_mode_tracker(const TrackerSettings& settings = {}) {
+  return {{{transition(ConstantVelocity{}, 1.0)}, {StateMatrix::Zero()}, Eigen::MatrixXd::Ones(1, 1)},
+          Eigen::VectorXd::Ones(1), settings};
+}
+
+Tracker named_tracker(std::string_view name, const TrackerSettings& settings = {}) {
+  const ModeBank bank = named_bank(name).value();
+  return {discretise(bank, 1.0).value(), bank.initial_probability, settings};
+}
+
+/// At the origin with 1-sigma 4 m: S = (16 + 9) I against the sensor above, so that 5 m are one sigma.
+Gaussian belief_at_origin() { return {State::Zero(), State(16.0, 1.0, 16.0, 1.0).asDiagonal()}; }
+
+const Dwell kDwell{RadarId{2}, TrackId{1}, kStreamStart + from_seconds(7.0), State::Zero()};
+
+Plot plot_at(double z0, double z1) { return {kDwell.time, kDwell.radar, {z0, z1}, std::nullopt}; }
+Plot plot_at_sigmas(double sigmas) { return plot_at(5.0 * sigmas, 0.0); }
+
+LookOutcome look(Tracker& tracker, Track& track, const std::vector<Plot>& plots,
+                 const Sensor& sensor = position_sensor()) {
+  return tracker.look(track, sensor, kDwell, plots);
+}
+
+void expect_same_belief(const Track& actual, const Track& expected) {
+  EXPECT_EQ(actual.estimate.probability, expected.estimate.probability);
+  for (std::size_t j = 0; j < expected.estimate.modes.size(); ++j) {
+    EXPECT_EQ(actual.estimate.modes[j].mean, expected.estimate.modes[j].mean);
+    EXPECT_EQ(actual.estimate.modes[j].covariance, expected.estimate.modes[j].covariance);
+  }
+  EXPECT_EQ(actual.combined.mean, expected.combined.mean);
+  EXPECT_EQ(actual.combined.covariance, expected.combined.covariance);
+}
+
+TEST(Start, GivesAConfirmedTrackOfTheBelief) {
+  const Tracker tracker = named_tracker("cruise_and_turn");
+  const Track track = tracker.start(TrackId{3}, "three", belief_at_origin());
+  EXPECT_EQ(track.id, TrackId{3});
+  EXPECT_EQ(track.name, "three");
+  EXPECT_EQ(track.status, TrackStatus::kConfirmed);
+  EXPECT_TRUE(track.alive());
+  EXPECT_FALSE(track.last_look || track.nis || track.loss);
+  EXPECT_EQ(track.age_scans, 0);
+  EXPECT_EQ(track.estimate.probability, named_bank("cruise_and_turn")->initial_probability);
+  ASSERT_EQ(track.estimate.size(), tracker.modes());
+  for (const Gaussian& mode : track.estimate.modes) {
+    EXPECT_EQ(mode.mean, belief_at_origin().mean);
+    EXPECT_EQ(mode.covariance, belief_at_origin().covariance);
+  }
+  EXPECT_EQ(track.combined.covariance, belief_at_origin().covariance);
+}
+
+TEST(BeliefFrom, IsEmptyWhereAPlotIsNoPosition) {
+  EXPECT_FALSE(Tracker::belief_from(plot_at(1.0, 2.0), position_sensor(), 100.0));
+}
+
+TEST(BeliefFrom, HasTheVelocityGivenAndIsExactlySymmetric) {
+  const RangeBearingRadar radar{RadarFigures{}};
+  for (double azimuth = -3.0; azimuth < 3.0; azimuth += 0.1) {
+    const Gaussian belief = Tracker::belief_from(plot_at(8e4, azimuth), radar, 250.0).value();
+    EXPECT_EQ(velocity(belief.mean), Vector2(0.0, 0.0));
+    EXPECT_EQ(belief.covariance(kVx, kVx), 62500.0);
+    EXPECT_EQ(belief.covariance(kVy, kVy), 62500.0);
+    EXPECT_EQ(belief.covariance(kVx, kVy), 0.0);
+    EXPECT_EQ(belief.covariance, belief.covariance.transpose()) << azimuth;
+    EXPECT_GT(matrices::smallest_pivot(belief.covariance), 0.0);
+  }
+}
+
+// Errors of the believed places, whitened by the believed covariance, are N(0, I): their sample moments are sums of
+// squares of independent standard normals, N chi-square on each axis, and of u + v and u - v for the cross term. The
+// conversion's bias, sigma_azimuth^2 R / 2 = 0.05 m against 7 m, is far below what the count resolves.
+TEST(BeliefFrom, CovarianceIsThatOfThePlots) {
+  RadarFigures figures;
+  figures.snr_reference = 0.5;
+  figures.beamwidth_rad = 1.6e-3;  // 7.5 m along, 1e-3 rad = 100 m across, at 100 km
+  const RangeBearingRadar radar(figures);
+  const int count = scaled(20000);
+  for (const double azimuth : {0.3, 2.0, -1.2, 3.14}) {
+    RandomStream stream(1);
+    const Vector2 truth = to_cartesian({0.0, 0.0}, {1e5, azimuth});
+    Matrix2 moments = Matrix2::Zero();
+    Matrix2 turned_moments = Matrix2::Zero();  // the twin: as if x and y had changed places
+    for (int i = 0; i < count; ++i) {
+      const Vector2 z(1e5 + 7.5 * stream.normal(), wrap_angle(azimuth + 1e-3 * stream.normal()));
+      const Gaussian belief = Tracker::belief_from({kDwell.time, kDwell.radar, z, std::nullopt}, radar, 1.0).value();
+      const Matrix2 p = position_block(belief.covariance);
+      const Vector2 error = position(belief.mean) - truth;
+      const Vector2 white = p.llt().matrixL().solve(error);
+      moments += white * white.transpose();
+      const Vector2 turned = p.reverse().llt().matrixL().solve(error);
+      turned_moments += turned * turned.transpose();
+    }
+    const statistics::Band band = statistics::chi_square_band(count);
+    EXPECT_TRUE(band.contains(moments(0, 0))) << moments / count;
+    EXPECT_TRUE(band.contains(moments(1, 1))) << moments / count;
+    EXPECT_TRUE(band.contains(0.5 * (moments(0, 0) + moments(1, 1)) + moments(0, 1))) << moments / count;
+    EXPECT_TRUE(band.contains(0.5 * (moments(0, 0) + moments(1, 1)) - moments(0, 1))) << moments / count;
+    EXPECT_FALSE(band.contains(turned_moments(0, 0)) && band.contains(turned_moments(1, 1)));
+  }
+}
+
+TEST(BeliefFrom, OverTheRadarIsFinite) {
+  const RangeBearingRadar radar{RadarFigures{}};
+  for (const double range_m : {0.0, 1e-12, 0.5}) {
+    const Gaussian belief = Tracker::belief_from(plot_at(range_m, 1.0), radar, 100.0).value();
+    EXPECT_TRUE(belief.mean.allFinite() && belief.covariance.allFinite()) << range_m;
+    EXPECT_GT(matrices::smallest_pivot(belief.covariance), 0.0) << range_m;
+  }
+}
+
+TEST(Predict, MovesTheTrackOnAndCountsItsAge) {
+  Tracker tracker = one_mode_tracker();
+  Track track = tracker.start(TrackId{1}, "one", {{0.0, 10.0, 0.0, -5.0}, StateMatrix::Identity()});
+  tracker.predict(track);
+  tracker.predict(track);
+  EXPECT_EQ(track.combined.mean, State(20.0, 10.0, -10.0, -5.0));
+  EXPECT_EQ(track.combined.covariance(kX, kX), 5.0);  // 1 + 2^2
+  EXPECT_EQ(track.age_scans, 2);
+  EXPECT_EQ(track.status, TrackStatus::kConfirmed);
+}
+
+// Half way between equal variances would be 9 of 25 here: K = 16 / 25.
+TEST(Look, UpdatesWithThePlotInTheGate) {
+  Tracker tracker = one_mode_tracker();
+  Track track = tracker.start(TrackId{1}, "one", belief_at_origin());
+  const LookOutcome outcome = look(tracker, track, {plot_at(5.0, -2.5)});
+  EXPECT_EQ(outcome.used_plot, 0u);
+  EXPECT_TRUE(near(position(track.combined.mean), Vector2(3.2, -1.6), 4.0 * kEpsilon));
+  EXPECT_DOUBLE_EQ(track.combined.covariance(kX, kX), 16.0 * 9.0 / 25.0);
+  EXPECT_DOUBLE_EQ(track.nis.value(), 1.25);  // 25 / 25 + 6.25 / 25
+  EXPECT_EQ(track.last_look, kDwell.time);
+  EXPECT_EQ(track.last_radar, kDwell.radar);
+}
+
+TEST(Look, GateIsSixteen) {
+  Tracker tracker = one_mode_tracker();
+  for (const auto& [squared, inside] : {std::pair(15.9, true), std::pair(16.1, false)}) {
+    Track track = tracker.start(TrackId{1}, "one", belief_at_origin());
+    EXPECT_EQ(look(tracker, track, {plot_at_sigmas(std::sqrt(squared))}).used_plot.has_value(), inside) << squared;
+  }
+}
+
+// After n rejections in a row the limit is 16 (1 + n)^2; looks without plots do not count.
+TEST(Look, GateWidensWithEachRejection) {
+  Tracker tracker = one_mode_tracker({.lost_probability = 0.0});
+  Track track = tracker.start(TrackId{1}, "one", belief_at_origin());
+  for (int rejections = 0; rejections < 5; ++rejections) {
+    const double limit = 16.0 * std::pow(1.0 + rejections, 2);
+    Track inside = track;
+    EXPECT_TRUE(look(tracker, inside, {plot_at_sigmas(std::sqrt(limit - 0.1))}).used_plot) << rejections;
+    EXPECT_EQ(inside.rejections, 0);
+    EXPECT_FALSE(look(tracker, track, {}).used_plot);
+    EXPECT_EQ(track.rejections, rejections);
+    EXPECT_FALSE(look(tracker, track, {plot_at_sigmas(std::sqrt(limit + 0.1))}).used_plot) << rejections;
+    EXPECT_EQ(track.rejections, rejections + 1);
+  }
+}
+
+TEST(Look, InfiniteGateTakesEveryPlot) {
+  Tracker tracker = one_mode_tracker({.gate = kInfinity});
+  Track track = tracker.start(TrackId{1}, "one", belief_at_origin());
+  EXPECT_TRUE(look(tracker, track, {plot_at(1e9, -1e9)}).used_plot);
+  EXPECT_TRUE(track.alive());
+}
+
+// The narrow mode rejects what the wide one expects.
+TEST(Look, GateOfAnyModeIsEnough) {
+  Tracker tracker({{2, StateMatrix::Identity()}, {2, StateMatrix::Zero()}, Eigen::MatrixXd::Identity(2, 2)},
+                  Eigen::Vector2d(0.99, 0.01), {});
+  Track track = tracker.start(TrackId{1}, "one", belief_at_origin());
+  track.estimate.modes[1].covariance *= 100.0;
+  EXPECT_TRUE(look(tracker, track, {plot_at_sigmas(10.0)}).used_plot);
+  EXPECT_GT(track.estimate.probability[1], 0.99);  // likelihoods in the ratio e^49 / 64
+}
+
+TEST(Look, ChoosesThePlotOfTheGreatestDensity) {
+  Tracker tracker = one_mode_tracker();
+  const std::vector<Plot> plots{plot_at(8.0, 0.0), plot_at(0.0, -3.0), plot_at(100.0, 0.0), plot_at(3.1, 0.0)};
+  Track track = tracker.start(TrackId{1}, "one", belief_at_origin());
+  EXPECT_EQ(look(tracker, track, plots).used_plot, 1u);
+}
+
+// Two modes of variances 25 and 2500 (S), weights 1/2, 60 m apart. At 7 m from the narrow one the density is
+// e^(-49/50) / 25 = 0.015; at the centre of the wide one 1 / 2500 = 0.0004, though its own distance there is zero.
+TEST(Look, DensityCountsTheDeterminant) {
+  Tracker tracker({{2, StateMatrix::Identity()}, {2, StateMatrix::Zero()}, Eigen::MatrixXd::Identity(2, 2)},
+                  Eigen::Vector2d(0.5, 0.5), {});
+  Track track = tracker.start(TrackId{1}, "one", belief_at_origin());
+  track.estimate.modes[1].mean = make_state({60.0, 0.0}, {0.0, 0.0});
+  track.estimate.modes[1].covariance(kX, kX) = track.estimate.modes[1].covariance(kY, kY) = 2491.0;
+  EXPECT_EQ(look(tracker, track, {plot_at(60.0, 0.0), plot_at(0.0, 7.0)}).used_plot, 1u);
+}
+
+TEST(Look, TheFirstOfTwoIdenticalPlotsIsUsedOnce) {
+  Tracker tracker = named_tracker("cruise_and_turn");
+  Track once = tracker.start(TrackId{1}, "one", belief_at_origin());
+  Track twice = once;
+  EXPECT_EQ(look(tracker, once, {plot_at(4.0, 1.0)}).used_plot, 0u);
+  EXPECT_EQ(look(tracker, twice, {plot_at(4.0, 1.0), plot_at(4.0, 1.0)}).used_plot, 0u);
+  expect_same_belief(twice, once);
+}
+
+TEST(Look, PlotsThatAreNotFiniteArePassedOver) {
+  Tracker tracker = named_tracker("cruise_and_turn");
+  Track track = tracker.start(TrackId{1}, "one", belief_at_origin());
+  Track alone = track;
+  const std::vector<Plot> plots{plot_at(kNan, 0.0), plot_at(0.0, kNan), plot_at(kInfinity, 0.0), plot_at(4.0, 1.0)};
+  EXPECT_EQ(look(tracker, track, plots).used_plot, 3u);
+  look(tracker, alone, {plots[3]});
+  expect_same_belief(track, alone);
+}
+
+// No plot was outside the gate: it has no reason to widen.
+TEST(Look, PlotsThatAreNotFiniteAreNoRejection) {
+  Tracker tracker = named_tracker("cruise_and_turn");
+  Track track = tracker.start(TrackId{1}, "one", belief_at_origin());
+  EXPECT_FALSE(look(tracker, track, {plot_at(kNan, kNan)}).used_plot);
+  EXPECT_EQ(track.status, TrackStatus::kCoasting);
+  EXPECT_EQ(track.rejections, 0);
+}
+
+TEST(Look, WithoutPlotsOrWithFalseOnesOnlyTheBeliefStays) {
+  Tracker tracker = named_tracker("cruise_and_turn");
+  const Track before = tracker.start(TrackId{1}, "one", belief_at_origin());
+  const std::vector<Plot> none;
+  const std::vector<Plot> all_false{plot_at(1e4, 0.0), plot_at(-5e3, 3e3), plot_at(0.0, 2e3)};
+  for (const std::vector<Plot>& plots : {none, all_false}) {
+    Track track = before;
+    EXPECT_FALSE(look(tracker, track, plots).used_plot);
+    expect_same_belief(track, before);
+    EXPECT_EQ(track.status, TrackStatus::kCoasting);
+    EXPECT_EQ(track.last_look, kDwell.time);
+    EXPECT_FALSE(track.nis);
+  }
+}
+
+/// Looks without a plot until the track is lost.
+int looks_until_lost(double detection_probability) {
+  Tracker tracker = one_mode_tracker();
+  Track track = tracker.start(TrackId{1}, "one", belief_at_origin());
+  int looks = 0;
+  for (; track.alive() && looks < 1000; ++looks) {
+    EXPECT_EQ(track.status, looks == 0 ? TrackStatus::kConfirmed : TrackStatus::kCoasting);
+    look(tracker, track, {}, position_sensor(detection_probability));
+  }
+  EXPECT_TRUE(track.alive() || track.loss == LossCause::kNoPlots);
+  return looks;
+}
+
+// The least n with (1 - P_d)^n <= 1e-8: .1^8 and .01^4 are just that (P_d = 1 is believed as .99), .5^27 = 7.5e-9.
+TEST(Look, TrackIsLostWhenItsMissesAreNotToBeBelieved) {
+  EXPECT_EQ(looks_until_lost(0.9), 8);
+  EXPECT_EQ(looks_until_lost(0.5), 27);
+  EXPECT_EQ(looks_until_lost(0.99), 4);
+  EXPECT_EQ(looks_until_lost(1.0), 4);
+  EXPECT_EQ(looks_until_lost(0.0), 1000);  // a look that cannot see says nothing
+}
+
+TEST(Look, OnePlotConfirmsAgainAndForgetsTheMisses) {
+  Tracker tracker = one_mode_tracker();
+  Track track = tracker.start(TrackId{1}, "one", belief_at_origin());
+  for (int run = 0; run < 3; ++run) {
+    for (int i = 0; i < 7; ++i) look(tracker, track, {});
+    ASSERT_EQ(track.status, TrackStatus::kCoasting);
+    look(tracker, track, {plot_at(0.0, 0.0)});
+    ASSERT_EQ(track.status, TrackStatus::kConfirmed);
+    ASSERT_EQ(track.log_miss_probability, 0.0);
+  }
+}
+
+// Two tracks in one tracker; the numbers of the first are broken at every border. The second is, bit for bit, what it
+// is alone.
+TEST(Tracker, FailureTouchesOneTrackOnly) {
+  const RangeBearingRadar radar{RadarFigures{}};
+  const Gaussian belief{{3e4, 100.0, 4e4, 0.0}, State(1e4, 1e2, 1e4, 1e2).asDiagonal()};
+  const auto break_track = [&](int how, Track& track) {
+    if (how == 0) track.estimate.modes[1].mean[kX] = kNan;
+    if (how == 1) track.estimate.modes[0].covariance(kVx, kVx) = kInfinity;
+    if (how == 2) track.estimate.probability[0] = kNan;
+    if (how == 3) track.estimate.modes[2].covariance = -1e9 * StateMatrix::Identity();
+  };
+  for (int how = 0; how < 4; ++how) {
+    Tracker shared = named_tracker("cruise_and_turn");
+    Tracker own = named_tracker("cruise_and_turn");
+    Track broken = shared.start(TrackId{1}, "one", belief);
+    Track healthy = shared.start(TrackId{2}, "two", belief);
+    Track alone = own.start(TrackId{2}, "two", belief);
+    break_track(how, broken);
+    for (int k = 0; k < 5; ++k) {
+      const Vector2 z = radar.measure(healthy.combined.mean) + Vector2(0.1, 1e-5);
+      const std::vector<Plot> plots{{kDwell.time, kDwell.radar, z, std::nullopt}};
+      if (broken.alive()) shared.predict(broken);
+      shared.predict(healthy);
+      own.predict(alone);
+      if (broken.alive()) look(shared, broken, plots, radar);
+      look(shared, healthy, plots, radar);
+      look(own, alone, plots, radar);
+    }
+    EXPECT_EQ(broken.loss, LossCause::kNumerics) << how;
+    EXPECT_EQ(healthy.status, TrackStatus::kConfirmed);
+    expect_same_belief(healthy, alone);
+  }
+}
+
+// Straight through the radar's own place, which no plot can come from: nothing it holds is ever NaN, and it is not lost
+// for its numbers.
+TEST(Tracker, TargetOverTheRadarGivesNoNan) {
+  const RangeBearingRadar radar{RadarFigures{}};
+  for (const UpdateForm form : {UpdateForm::kEkf, UpdateForm::kConverted}) {
+    for (const double miss_m : {0.0, 1e-9, 0.4}) {
+      Tracker tracker = named_tracker("cruise_and_turn", {.update = form});
+      State truth = make_state({-500.0, miss_m}, {100.0, 0.0});
+      Track track = tracker.start(TrackId{1}, "one", {truth, State(1.0, 1.0, 1.0, 1.0).asDiagonal()});
+      for (int k = 0; k < 10; ++k) {
+        truth = transition(ConstantVelocity{}, 1.0) * truth;
+        tracker.predict(track);
+        std::vector<Plot> plots;
+        if (radar.covers(truth)) plots.push_back({kDwell.time, kDwell.radar, radar.measure(truth), std::nullopt});
+        look(tracker, track, plots, radar);
+        ASSERT_NE(track.loss, LossCause::kNumerics) << "scan " << k << ", passing " << miss_m << " m off";
+        ASSERT_TRUE(track.combined.mean.allFinite() && track.combined.covariance.allFinite());
+        ASSERT_TRUE(track.estimate.probability.allFinite());
+      }
+    }
+  }
+}
+
+TEST(TrackerDeathTest, ProbabilitiesOfAnotherBankAreRefused) {
+  EXPECT_DEATH(Tracker(discretise(*named_bank("liu_hwang"), 1.0).value(), Eigen::VectorXd::Ones(1), {}),
+               "invariant broken");
+}
+
+}  // namespace
+}  // namespace dwell
