@@ -139,7 +139,7 @@ void Run::set_policy(const v1::Request& request, v1::Reply& reply) {
   if (request.set_policy().has_text()) wanted = parse_policy_text(request.set_policy().text(), violations);
   std::optional<PolicySettings> settings;
   if (wanted) settings = read_policy(*wanted, static_cast<int>(engine_.sensors().size()), violations);
-  if (!settings) return refuse(reply, v1::Refused::INVALID, violations);
+  if (!settings || !violations.empty()) return refuse(reply, v1::Refused::INVALID, violations);
   if (!record(request, reply)) return;
   engine_.set_policy(*settings);
   v1::PolicyChange& change = *stream_.envelope(Topic::kPolicy).mutable_policy_change();

@@ -167,7 +167,6 @@ std::optional<v1::Policy> parse_policy_text(std::string_view text, std::vector<V
   }
   v1::Policy policy;
   Message& message = *policy.GetReflection()->MutableMessage(&policy, kind);
-  const std::size_t before = violations.size();
   for (std::size_t i = 1; i < parts.size(); ++i) {
     const std::size_t equals = parts[i].find('=');
     const std::string key(parts[i].substr(0, equals));
@@ -180,7 +179,7 @@ std::optional<v1::Policy> parse_policy_text(std::string_view text, std::vector<V
       violations.push_back({name + "." + key, value.substr(0, 80), type_rule(*field)});
     }
   }
-  return violations.size() == before ? std::optional(policy) : std::nullopt;
+  return policy;
 }
 
 std::string policy_text(const v1::Policy& policy) {

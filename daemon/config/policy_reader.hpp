@@ -28,7 +28,8 @@ std::optional<PolicySettings> read_policy(v1::Policy& policy, FieldReader& reade
 /// The same without a file, for commands. Violations are appended.
 std::optional<PolicySettings> read_policy(v1::Policy& policy, int sensors, std::vector<Violation>& violations);
 
-/// "sa_imm:cost=x:nodes=7" to a message; unknown names become violations that list the valid ones.
+/// "sa_imm:cost=x:nodes=7" to a message. Unknown names and values of the wrong type become violations that list what is
+/// valid, and are left out of the message; empty where the policy itself is unknown.
 std::optional<v1::Policy> parse_policy_text(std::string_view text, std::vector<Violation>& violations);
 
 /// The message back to text: "sa_imm:cost=x:beta=0:nodes=7".
