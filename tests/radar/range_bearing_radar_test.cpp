@@ -177,8 +177,8 @@ TEST(RangeBearingRadar, SwerlingOneFallsWithRange) {
   figures.detection = SwerlingOneDetection{1e-6};
   const RangeBearingRadar radar(figures);
   double before = 1.0;
-  for (double range_m = 20e3; range_m < 500e3; range_m += 20e3) {
-    const double now = radar.detection_probability(at(figures, range_m, 0.0));
+  for (int step = 1; step < 25; ++step) {
+    const double now = radar.detection_probability(at(figures, 20e3 * step, 0.0));
     EXPECT_LT(now, before);
     before = now;
   }

@@ -333,7 +333,8 @@ TEST(FlightPath, ReproducesAStraightLineExactly) {
   const Vector2 first = position_at(path, 0.0);
   const Vector2 slope = (position_at(path, 15.0) - first) / 15.0;
   EXPECT_NEAR(slope.norm(), std::hypot(150.0, 90.0), 1e-3);
-  for (double t = 0.0; t <= 15.0; t += 0.125) {
+  for (int eighth = 0; eighth <= 120; ++eighth) {
+    const double t = eighth / 8.0;
     EXPECT_LE((position_at(path, t) - (first + slope * t)).norm(), 1e-7);
     EXPECT_LE((velocity_at(path, t) - slope).norm(), 1e-7);
   }
@@ -343,8 +344,10 @@ TEST(FlightPath, ReproducesALinearClimbExactly) {
   std::vector<Place> places;
   for (const double t : uneven_times()) places.push_back({47.0 + 1e-3 * t, 8.0, 500.0 + 12.5 * t});
   const FlightPath path(flight_of(uneven_times(), places), Duration{0}, kAll);
-  for (double t = 0.0; t <= 15.0; t += 0.125)
+  for (int eighth = 0; eighth <= 120; ++eighth) {
+    const double t = eighth / 8.0;
     EXPECT_NEAR(path.altitude_m(from_seconds(t)), 500.0 + 12.5 * t, 1e-9);
+  }
 }
 
 // Within an interval position is a cubic, so five points give its slope exactly but for rounding, 1e-12 m /
@@ -413,7 +416,8 @@ TEST(FlightPath, CrossesOneHundredAndEightyDegrees) {
   const FlightPath here(weaving(), Duration{0}, kAll);
   for (const double shift_deg : {171.99, 172.0, -188.0, -188.005, 352.0}) {
     const FlightPath there(shifted(weaving(), shift_deg), Duration{0}, kAll);
-    for (double t = 0.0; t <= 15.0; t += 0.5) {
+    for (int half = 0; half <= 30; ++half) {
+      const double t = half / 2.0;
       EXPECT_LE((position_at(here, t) - position_at(there, t)).norm(), 1e-6) << shift_deg;
       EXPECT_LE((velocity_at(here, t) - velocity_at(there, t)).norm(), 1e-6) << shift_deg;
     }
@@ -493,7 +497,9 @@ Figures figures_of(const FlightPath& path) {
   std::vector<double> speeds;
   const double step_s = 0.1;
   Vector2 before = velocity_at(path, step_s / 2);
-  for (double t = step_s; t < to_seconds(path.length()) - step_s; t += step_s) {
+  const int steps = static_cast<int>(to_seconds(path.length()) / step_s) - 1;
+  for (int i = 1; i <= steps; ++i) {
+    const double t = i * step_s;
     const Vector2 v = velocity_at(path, t);
     const Vector2 after = velocity_at(path, t + step_s / 2);
     const Vector2 acceleration = (after - before) / step_s;

@@ -139,7 +139,8 @@ TEST(ScriptedTrajectory, TurnStaysOnItsCircle) {
   const double w = -4.0 * kDegree;
   const Script flight = script({0.0, 0.0}, {0.0, 100.0}, {turn(0.0, 90.0, w)});
   const Vector2 centre(-100.0 / w, 0.0);
-  for (double t = 0.0; t <= 90.0; t += 0.5) {
+  for (int half = 0; half <= 180; ++half) {
+    const double t = half / 2.0;
     EXPECT_NEAR((position(state_at(flight, t)) - centre).norm(), 100.0 / std::abs(w), 1e-9);
   }
 }
