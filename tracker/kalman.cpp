@@ -13,8 +13,7 @@ double PredictedMeasurement::log_likelihood(const Vector2& nu) const {
 Numerics factorise(const StateMatrix& covariance, PredictedMeasurement& predicted) {
   predicted.s = predicted.h * covariance * predicted.h.transpose() + predicted.r;
   predicted.s_root.compute(predicted.s);
-  const bool positive = predicted.s_root.info() == Eigen::Success && predicted.s.allFinite() &&
-                        predicted.s_root.matrixLLT().diagonal().minCoeff() > 0.0;
+  const bool positive = predicted.s_root.info() == Eigen::Success && predicted.s.allFinite();
   return positive ? Numerics::kOk : Numerics::kNotPositiveDefinite;
 }
 

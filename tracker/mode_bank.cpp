@@ -19,7 +19,6 @@ std::optional<Eigen::MatrixXd> transition_over(const Eigen::MatrixXd& transition
   constexpr double kRounding = 1e-12;  // of the exponential, with room
   constexpr double kSameChain = 1e-9;  // far above the logarithm's rounding, far below any probability that matters
   const Eigen::MatrixXd generator = transition.log();
-  if (!generator.allFinite()) return std::nullopt;
   // A negative eigenvalue has a complex logarithm, whose real part generates another chain.
   if ((generator.exp() - transition).cwiseAbs().maxCoeff() > kSameChain) return std::nullopt;
   Eigen::MatrixXd result = (ratio * generator).exp();

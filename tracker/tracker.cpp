@@ -79,14 +79,18 @@ LookOutcome Tracker::look(Track& track, const Sensor& sensor, const Dwell& dwell
     miss(track, sensor, had_plots);
     return outcome;
   }
-  track.nis = mixture_squared_distance(measurements_, track.estimate.probability, best_innovations_);
+  const double nis = mixture_squared_distance(measurements_, track.estimate.probability, best_innovations_);
   const Numerics updated = update(measurements_, best_innovations_, track.estimate);
-  track.combined = combine(track.estimate);
+  const Gaussian combined = combine(track.estimate);
+  if (updated != Numerics::kOk || !combined.mean.allFinite() || !combined.covariance.allFinite()) {
+    track.lose(LossCause::kNumerics);
+    return outcome;
+  }
+  track.combined = combined;
+  track.nis = nis;
   track.status = TrackStatus::kConfirmed;
   track.rejections = 0;
   track.log_miss_probability = 0.0;
-  const bool finite = track.combined.mean.allFinite() && track.combined.covariance.allFinite();
-  if (updated != Numerics::kOk || !finite) track.lose(LossCause::kNumerics);
   return outcome;
 }
 

@@ -8,7 +8,8 @@
 #include "radar/frames.hpp"
 #include "tracker/mode_bank.hpp"
 
-/// The motions and noises over which the laws are run. A new alternative of either variant gets its rows here.
+/// The motions and noises over which the laws are run. A new alternative of either variant gets its rows
+/// here.
 namespace dwell::catalogue {
 
 struct NamedMotion {
@@ -56,6 +57,18 @@ inline StateMatrix generator(const Motion& motion) {
   a(kVy, kVx) = turn_rate(motion);
   a(kVx, kVy) = -turn_rate(motion);
   return a;
+}
+
+/// sum_k (-u^2)^k u^first / (first + 2k)! in long double, first >= 0: cos u, sin u, 1 - cos u, u - sin u.
+inline long double alternating_series(long double u, int first) {
+  long double term = 1.0L;
+  for (int k = 1; k <= first; ++k) term *= u / static_cast<long double>(k);
+  long double sum = 0.0L;
+  for (int k = first; k < first + 40; k += 2) {
+    sum += term;
+    term *= -u * u / static_cast<long double>((k + 1) * (k + 2));
+  }
+  return sum;
 }
 
 /// The names of all banks, out of `bank_names()`.

@@ -11,15 +11,17 @@
 #include "tracker/metrics/nees.hpp"
 #include "tracker/tracker.hpp"
 
-/// Does the filter know how wrong it is? Truth is drawn from the model that the filter believes, so that at any one time
-/// its NEES is chi-square with 4 degrees of freedom, and its innovations are white with chi-square NIS, 2 degrees.
-/// Within a run the NEES is correlated from scan to scan: one scan of each run counts, the last. Sums lie in the
-/// chi-square band of the false-alarm rate in tests/statistics.hpp; a filter that believes a tenth of Q does not.
+/// Does the filter know how wrong it is? Truth is drawn from the model that the filter believes, so that at
+/// any one time its NEES is chi-square with 4 degrees of freedom, and its innovations are white with
+/// chi-square NIS, 2 degrees. Within a run the NEES is correlated from scan to scan: one scan of each run
+/// counts, the last. Sums lie in the chi-square band of the false-alarm rate in tests/statistics.hpp; a
+/// filter that believes a tenth of Q does not.
 namespace dwell {
 namespace {
 
 constexpr double kScanPeriod_s = 1.0;
-constexpr double kDensity = 10.0;  // m^2/s^3: with the sensors below a tracking index at which Q counts as much as R
+constexpr double kDensity =
+    10.0;  // m^2/s^3: with the sensors below a tracking index at which Q counts as much as R
 
 struct Setting {
   const Sensor* sensor;
@@ -30,9 +32,9 @@ struct Setting {
 };
 
 struct Sums {
-  double nees = 0.0;           ///< of the whole state at the last scan of each run
+  double nees = 0.0;  ///< of the whole state at the last scan of each run
   double position_nees = 0.0;
-  double nis = 0.0;            ///< of every plot
+  double nis = 0.0;  ///< of every plot
   int runs = 0;
   int plots = 0;
 };
@@ -55,7 +57,8 @@ void run_once(const Setting& setting, RandomStream& stream, Sums& sums) {
     Vector2 z = setting.sensor->measure(truth) + r_root * Vector2(stream.normal(), stream.normal());
     const TimePoint time = kStreamStart + from_seconds(k * kScanPeriod_s);
     const Plot plot{time, RadarId{1}, z, std::nullopt};
-    (void)tracker.look(track, *setting.sensor, {RadarId{1}, TrackId{1}, time, track.combined.mean}, {&plot, 1});
+    (void)tracker.look(track, *setting.sensor, {RadarId{1}, TrackId{1}, time, track.combined.mean},
+                       {&plot, 1});
     ASSERT_TRUE(track.nis);
     sums.nis += *track.nis;
     ++sums.plots;
@@ -87,7 +90,8 @@ void record_means(const Sums& sums) {
 
 /// Correlated errors of 5 and 8 m on the axes, after a start within 100 m and 20 m/s.
 Setting linear_setting(double believed_density) {
-  static const LinearSensor sensor(position_selector(), (Matrix2() << 25.0, 16.0, 16.0, 64.0).finished(), 1.0);
+  static const LinearSensor sensor(position_selector(), (Matrix2() << 25.0, 16.0, 16.0, 64.0).finished(),
+                                   1.0);
   return {&sensor, {{1e3, 50.0, -2e3, 80.0}, State(1e4, 400.0, 1e4, 400.0).asDiagonal()}, believed_density};
 }
 
@@ -95,7 +99,8 @@ Setting linear_setting(double believed_density) {
 TEST(Consistency, LinearFilterHasChiSquareNees) {
   const Sums matched = run(linear_setting(kDensity), scaled(2000));
   record_means(matched);
-  EXPECT_TRUE(nees_fits(matched)) << matched.nees / matched.runs << " and " << matched.position_nees / matched.runs;
+  EXPECT_TRUE(nees_fits(matched)) << matched.nees / matched.runs << " and "
+                                  << matched.position_nees / matched.runs;
 }
 
 TEST(Consistency, NeesSeesATenthOfTheNoise) {
@@ -121,15 +126,18 @@ TEST(Consistency, NisSeesATenthOfTheNoise) {
   EXPECT_FALSE(nis_fits(overconfident)) << overconfident.nis / overconfident.plots;
 }
 
-/// 5 m and 0.5 mrad, 60 km away, 30 m across: the curvature of the range, (30 m)^2 / (2 x 60 km) = 8 mm, is 2e-3 of a
-/// sigma, and its square in NEES and NIS is far below the band, which is some per cent wide.
+/// 5 m and 0.5 mrad, 60 km away, 30 m across: the curvature of the range, (30 m)^2 / (2 x 60 km) = 8 mm, is
+/// 2e-3 of a sigma, and its square in NEES and NIS is far below the band, which is some per cent wide.
 Setting radar_setting(double believed_density, UpdateForm form) {
   RadarFigures figures;
   figures.snr_reference = 1e30;  // the floors alone make the noise
   figures.range_noise_floor_m = 5.0;
   figures.azimuth_noise_floor_rad = 0.5e-3;
   static const RangeBearingRadar radar(figures);
-  return {&radar, {{-3e4, 100.0, -52e3, 170.0}, State(1e4, 400.0, 1e4, 400.0).asDiagonal()}, believed_density, form};
+  return {&radar,
+          {{-3e4, 100.0, -52e3, 170.0}, State(1e4, 400.0, 1e4, 400.0).asDiagonal()},
+          believed_density,
+          form};
 }
 
 class RadarConsistency : public testing::TestWithParam<UpdateForm> {};
@@ -140,7 +148,8 @@ INSTANTIATE_TEST_SUITE_P(Forms, RadarConsistency, testing::Values(UpdateForm::kE
 TEST_P(RadarConsistency, HasChiSquareNeesAndNis) {
   const Sums matched = run(radar_setting(kDensity, GetParam()), scaled(2000));
   record_means(matched);
-  EXPECT_TRUE(nees_fits(matched)) << matched.nees / matched.runs << " and " << matched.position_nees / matched.runs;
+  EXPECT_TRUE(nees_fits(matched)) << matched.nees / matched.runs << " and "
+                                  << matched.position_nees / matched.runs;
   EXPECT_TRUE(nis_fits(matched)) << matched.nis / matched.plots;
 }
 

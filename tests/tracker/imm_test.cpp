@@ -4,8 +4,8 @@
 #include <limits>
 #include <vector>
 
-#include <Eigen/LU>
 #include <gtest/gtest.h>
+#include <Eigen/LU>
 
 #include "tests/scale.hpp"
 #include "tests/tracker/matrices.hpp"
@@ -62,7 +62,8 @@ Numerics update_with_position(ImmEstimate& estimate, const Matrix2& r, const Vec
   return update(predicted, innovations, estimate);
 }
 
-/// The textbook's Kalman filter of one axis, position and velocity, in scalars: nothing shared with the code tested.
+/// The textbook's Kalman filter of one axis, position and velocity, in scalars: nothing shared with the code
+/// tested.
 struct ScalarKalmanFilter {
   double x, v, pxx, pxv, pvv;
 
@@ -85,12 +86,13 @@ struct ScalarKalmanFilter {
   }
 };
 
-// Over a long run of looks of changing quality. The filter forgets its rounding as it forgets its data, so that the
-// difference stays at some hundred eps and does not grow with the number of steps.
+// Over a long run of looks of changing quality. The filter forgets its rounding as it forgets its data, so
+// that the difference stays at some hundred eps and does not grow with the number of steps.
 TEST(Imm, SingleModeEqualsKalmanFilter) {
   RandomStream stream(1);
   const double q = 2.0;
-  DiscreteBank bank{{transition(ConstantVelocity{}, 1.0)}, {white_noise(ConstantVelocity{}, q, 1.0)},
+  DiscreteBank bank{{transition(ConstantVelocity{}, 1.0)},
+                    {white_noise(ConstantVelocity{}, q, 1.0)},
                     Eigen::MatrixXd::Ones(1, 1)};
   ImmEstimate estimate = make_estimate({{5e3, 50.0, -8e3, 70.0}, State(1e4, 1e2, 1e4, 1e2).asDiagonal()},
                                        Eigen::VectorXd::Ones(1));
@@ -140,7 +142,8 @@ TEST(Imm, IdenticalModesEqualOneFilter) {
     // Three weights of three equal terms each step; forgotten as in the single filter.
     for (const Gaussian& mode : triple.modes) {
       ASSERT_TRUE(near(mode.mean, expected.mean, 1e-12 * size));
-      ASSERT_TRUE(near(mode.covariance, expected.covariance, 1e-12 * matrices::scale_of(expected.covariance)));
+      ASSERT_TRUE(
+          near(mode.covariance, expected.covariance, 1e-12 * matrices::scale_of(expected.covariance)));
     }
   }
   // Likelihoods that are all the same say nothing: the probabilities are the chain's stationary ones.
@@ -206,8 +209,10 @@ std::vector<History> extend(const std::vector<History>& histories, const Discret
   for (const History& history : histories) {
     for (int j = 0; j < bank.size(); ++j) {
       const StateMatrix& f = bank.f[j];
-      longer.push_back({j, history.probability * bank.transition(history.mode, j),
-                        {f * history.belief.mean, f * history.belief.covariance * f.transpose() + bank.q[j]}});
+      longer.push_back(
+          {j,
+           history.probability * bank.transition(history.mode, j),
+           {f * history.belief.mean, f * history.belief.covariance * f.transpose() + bank.q[j]}});
     }
   }
   return longer;
@@ -223,8 +228,8 @@ Gaussian total(const std::vector<History>& histories) {
   return sum;
 }
 
-// The exact belief is the Gaussian mixture of all histories. Without measurements the IMM keeps the first two moments
-// of each mode's share of it exactly, however much it merges.
+// The exact belief is the Gaussian mixture of all histories. Without measurements the IMM keeps the first two
+// moments of each mode's share of it exactly, however much it merges.
 TEST(Imm, PredictionHasTheMomentsOfAllHistories) {
   RandomStream stream(6);
   for (int i = 0; i < 100; ++i) {
@@ -246,8 +251,8 @@ TEST(Imm, PredictionHasTheMomentsOfAllHistories) {
   }
 }
 
-// From one Gaussian shared by the modes, one step and one measurement: two histories, which the IMM does not merge,
-// so that it is Bayes' rule itself. Densities by inverse and determinant.
+// From one Gaussian shared by the modes, one step and one measurement: two histories, which the IMM does not
+// merge, so that it is Bayes' rule itself. Densities by inverse and determinant.
 TEST(Imm, FirstUpdateIsBayesRule) {
   RandomStream stream(7);
   for (int i = 0; i < 100; ++i) {
@@ -275,7 +280,8 @@ TEST(Imm, FirstUpdateIsBayesRule) {
     ImmEstimate estimate;
     ASSERT_EQ(predict(bank, make_estimate(start, probability), estimate), Numerics::kOk);
     ASSERT_EQ(update_with_position(estimate, r, z), Numerics::kOk);
-    // Exponents of up to a few hundred lose as many eps, S of moderate condition some tens: 1e-11 of each size.
+    // Exponents of up to a few hundred lose as many eps, S of moderate condition some tens: 1e-11 of each
+    // size.
     EXPECT_NEAR(estimate.probability[1], second_mode, 1e-11);
     const Gaussian expected = total(histories);
     const StateMatrix size = moment_size(estimate);
@@ -318,8 +324,8 @@ TEST(Imm, UnreachableModeWeighsNothing) {
   EXPECT_TRUE(combine(estimate).covariance.allFinite());
 }
 
-// Two modes d apart, S = 2 I: a plot on the first has a likelihood exp(d^2 / 4) times the second's. At d = 2000 that
-// is e to the 1e6, far beyond every double.
+// Two modes d apart, S = 2 I: a plot on the first has a likelihood exp(d^2 / 4) times the second's. At d =
+// 2000 that is e to the 1e6, far beyond every double.
 TEST(Update, LikelihoodsMayDifferByAnyRatio) {
   const double d = 2000.0;
   ImmEstimate estimate = make_estimate({State::Zero(), StateMatrix::Identity()}, Eigen::Vector2d(0.5, 0.5));
@@ -352,13 +358,15 @@ TEST(Update, InnovationThatIsNotFiniteLeavesTheEstimateAlone) {
   RandomStream stream(10);
   const ImmEstimate before = random_estimate(stream, 3);
   const auto predicted = measure_position(before, 100.0 * Matrix2::Identity());
-  for (const double bad : {kNan, std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()}) {
+  for (const double bad :
+       {kNan, std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()}) {
     for (std::size_t where = 0; where < 3; ++where) {
       for (int component = 0; component < 2; ++component) {
         ImmEstimate estimate = before;
         std::vector<Vector2> innovations(3, Vector2(10.0, 10.0));
         innovations[where][component] = bad;
-        EXPECT_EQ(update(predicted, innovations, estimate), Numerics::kNotFinite) << bad << " in mode " << where;
+        EXPECT_EQ(update(predicted, innovations, estimate), Numerics::kNotFinite)
+            << bad << " in mode " << where;
         expect_same(estimate, before);
       }
     }

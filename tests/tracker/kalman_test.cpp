@@ -4,10 +4,10 @@
 #include <limits>
 #include <numbers>
 
+#include <gtest/gtest.h>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/QR>
-#include <gtest/gtest.h>
 
 #include "tests/tracker/matrices.hpp"
 #include "tracker/motion.hpp"
@@ -18,7 +18,8 @@ namespace {
 using matrices::kEpsilon;
 using matrices::near;
 
-// References are computed in 64-bit mantissas, so that what they differ by is the rounding of the tested code.
+// References are computed in 64-bit mantissas, so that what they differ by is the rounding of the tested
+// code.
 using Long = long double;
 template <int Rows, int Columns>
 using LongMatrix = Eigen::Matrix<Long, Rows, Columns>;
@@ -52,7 +53,8 @@ Case random_case(RandomStream& stream) {
   return c;
 }
 
-/// By the pivoted Cholesky factor; the closed form by cofactors, which Eigen takes for small matrices, loses digits.
+/// By the pivoted Cholesky factor; the closed form by cofactors, which Eigen takes for small matrices, loses
+/// digits.
 template <int Size>
 LongMatrix<Size, Size> inverse(const LongMatrix<Size, Size>& m) {
   return m.ldlt().solve(LongMatrix<Size, Size>::Identity());
@@ -120,15 +122,16 @@ TEST(KalmanGain, EqualsTheExplicitInverse) {
   }
 }
 
-// (P^-1 + H' R^-1 H)^-1. Joseph's form has no first-order error in K: what remains is the rounding of I - K H, an
-// eps of A = I + |K| |H|, carried through the products: 16 eps of (A |P| A' + |K| |R| |K|')_ij.
+// (P^-1 + H' R^-1 H)^-1. Joseph's form has no first-order error in K: what remains is the rounding of I - K
+// H, an eps of A = I + |K| |H|, carried through the products: 16 eps of (A |P| A' + |K| |R| |K|')_ij.
 TEST(UpdatedCovariance, EqualsTheInformationForm) {
   RandomStream stream(3);
   for (int i = 0; i < kCases; ++i) {
     const auto [prior, predicted, nu] = random_case(stream);
     const LongMatrix<2, 4> h = predicted.h.cast<Long>();
-    const LongMatrix<4, 4> information = inverse(LongMatrix<4, 4>(prior.covariance.cast<Long>())) +
-                                         h.transpose() * inverse(LongMatrix<2, 2>(predicted.r.cast<Long>())) * h;
+    const LongMatrix<4, 4> information =
+        inverse(LongMatrix<4, 4>(prior.covariance.cast<Long>())) +
+        h.transpose() * inverse(LongMatrix<2, 2>(predicted.r.cast<Long>())) * h;
     const StateMatrix expected = inverse(information).cast<double>();
     const Gain k = kalman_gain(prior.covariance, predicted);
     const StateMatrix a = StateMatrix::Identity() + k.cwiseAbs() * predicted.h.cwiseAbs();
@@ -177,9 +180,11 @@ TEST(LogLikelihood, EqualsTheClosedForm) {
                                               0.5L * std::log(determinant));
     // The factor of S is good to an eps of S, its inverse to cond(S) eps, the determinant likewise.
     const double loss = 8.0 * kEpsilon * static_cast<double>(condition(predicted.s));
-    EXPECT_NEAR(predicted.log_likelihood(nu), expected, loss * (1.0 + static_cast<double>(d2)) + 64.0 * kEpsilon);
+    EXPECT_NEAR(predicted.log_likelihood(nu), expected,
+                loss * (1.0 + static_cast<double>(d2)) + 64.0 * kEpsilon);
     EXPECT_NEAR(predicted.squared_distance(nu), static_cast<double>(d2), loss * static_cast<double>(d2));
-    EXPECT_NEAR(predicted.log_determinant(), static_cast<double>(std::log(determinant)), loss + 64.0 * kEpsilon);
+    EXPECT_NEAR(predicted.log_determinant(), static_cast<double>(std::log(determinant)),
+                loss + 64.0 * kEpsilon);
   }
 }
 
@@ -192,9 +197,10 @@ TEST(LogLikelihood, StandardNormalByHand) {
   EXPECT_DOUBLE_EQ(predicted.log_likelihood({0.0, 3.0}), -std::log(2.0 * std::numbers::pi) - 4.5);
 }
 
-/// The update with an absolute measurement z = H x + v of the same H and R; `lost` grows by eps cond(S), what solving
-/// with the factor of S may lose.
-Gaussian update_with(const Gaussian& prior, const PredictedMeasurement& like, const Vector2& z, double& lost) {
+/// The update with an absolute measurement z = H x + v of the same H and R; `lost` grows by eps cond(S), what
+/// solving with the factor of S may lose.
+Gaussian update_with(const Gaussian& prior, const PredictedMeasurement& like, const Vector2& z,
+                     double& lost) {
   PredictedMeasurement measurement;
   measurement.h = like.h;
   measurement.r = like.r;
@@ -203,8 +209,8 @@ Gaussian update_with(const Gaussian& prior, const PredictedMeasurement& like, co
   return kalman_update(prior, measurement, z - measurement.h * prior.mean);
 }
 
-// Both orders are the same conditional. The four updates may lose eps cond(S) each of what they compute with, a few
-// times over for the products.
+// Both orders are the same conditional. The four updates may lose eps cond(S) each of what they compute with,
+// a few times over for the products.
 TEST(KalmanUpdate, OrderOfIndependentMeasurementsDoesNotMatter) {
   RandomStream stream(7);
   for (int i = 0; i < kCases; ++i) {
@@ -223,9 +229,9 @@ TEST(KalmanUpdate, OrderOfIndependentMeasurementsDoesNotMatter) {
   }
 }
 
-// Fifty positions of a target on a straight line without process noise, and a prior: a linear least-squares problem,
-// solved whole by Householder QR of the whitened equations. The filter rounds to an eps of the prior's variance at
-// worst, 1e4 of the last one's; fifty steps of some ten operations make 1e-9 of it.
+// Fifty positions of a target on a straight line without process noise, and a prior: a linear least-squares
+// problem, solved whole by Householder QR of the whitened equations. The filter rounds to an eps of the
+// prior's variance at worst, 1e4 of the last one's; fifty steps of some ten operations make 1e-9 of it.
 TEST(KalmanUpdate, FilterEqualsBatchLeastSquares) {
   RandomStream stream(8);
   constexpr int kSteps = 50;

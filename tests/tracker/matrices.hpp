@@ -3,9 +3,9 @@
 #include <cmath>
 #include <limits>
 
+#include <gtest/gtest.h>
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <gtest/gtest.h>
 
 #include "radar/random.hpp"
 #include "tracker/gaussian.hpp"
@@ -17,23 +17,26 @@ inline constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
 /// Every |actual(i, j) - expected(i, j)| <= tolerance(i, j). Says which element is not.
 template <class Actual, class Expected, class Tolerance>
-testing::AssertionResult near(const Eigen::MatrixBase<Actual>& actual, const Eigen::MatrixBase<Expected>& expected,
+testing::AssertionResult near(const Eigen::MatrixBase<Actual>& actual,
+                              const Eigen::MatrixBase<Expected>& expected,
                               const Eigen::MatrixBase<Tolerance>& tolerance) {
   for (Eigen::Index j = 0; j < expected.cols(); ++j) {
     for (Eigen::Index i = 0; i < expected.rows(); ++i) {
       if (std::abs(actual(i, j) - expected(i, j)) <= tolerance(i, j)) continue;
       return testing::AssertionFailure()
              << "element (" << i << ", " << j << "): " << actual(i, j) << " where " << expected(i, j)
-             << " is expected; difference " << actual(i, j) - expected(i, j) << ", tolerance " << tolerance(i, j)
-             << "\nactual\n" << actual << "\nexpected\n" << expected;
+             << " is expected; difference " << actual(i, j) - expected(i, j) << ", tolerance "
+             << tolerance(i, j) << "\nactual\n"
+             << actual << "\nexpected\n"
+             << expected;
     }
   }
   return testing::AssertionSuccess();
 }
 
 template <class Actual, class Expected>
-testing::AssertionResult near(const Eigen::MatrixBase<Actual>& actual, const Eigen::MatrixBase<Expected>& expected,
-                              double tolerance) {
+testing::AssertionResult near(const Eigen::MatrixBase<Actual>& actual,
+                              const Eigen::MatrixBase<Expected>& expected, double tolerance) {
   return near(actual, expected, Expected::PlainObject::Constant(expected.rows(), expected.cols(), tolerance));
 }
 
@@ -43,8 +46,9 @@ inline StateMatrix scale_of(const StateMatrix& covariance) {
   return sigma * sigma.transpose();
 }
 
-/// The smallest squared pivot of the Cholesky factor of the correlations P_ij / sqrt(P_ii P_jj): the least share of
-/// a component's variance that the components before it leave open. Not positive where P has no factor.
+/// The smallest squared pivot of the Cholesky factor of the correlations P_ij / sqrt(P_ii P_jj): the least
+/// share of a component's variance that the components before it leave open. Not positive where P has no
+/// factor.
 inline double smallest_pivot(const StateMatrix& covariance) {
   if (!(covariance.diagonal().minCoeff() > 0.0)) return 0.0;
   const StateMatrix correlation = covariance.cwiseQuotient(scale_of(covariance));
@@ -60,8 +64,8 @@ inline State normal_state(RandomStream& stream) {
   return x;
 }
 
-/// A covariance of full rank with standard deviations up to a few times `sigma`: A A' of four times eight normals,
-/// so that correlations are large and condition numbers stay moderate.
+/// A covariance of full rank with standard deviations up to a few times `sigma`: A A' of four times eight
+/// normals, so that correlations are large and condition numbers stay moderate.
 inline StateMatrix random_covariance(RandomStream& stream, const State& sigma) {
   StateMatrix sum = StateMatrix::Zero();
   for (int i = 0; i < 8; ++i) {
@@ -75,7 +79,8 @@ inline StateMatrix random_covariance(RandomStream& stream, const State& sigma) {
 inline State typical_sigma() { return {300.0, 30.0, 300.0, 30.0}; }
 
 inline Gaussian random_gaussian(RandomStream& stream) {
-  return {(100.0 * typical_sigma()).cwiseProduct(normal_state(stream)), random_covariance(stream, typical_sigma())};
+  return {(100.0 * typical_sigma()).cwiseProduct(normal_state(stream)),
+          random_covariance(stream, typical_sigma())};
 }
 
 /// M probabilities that sum to one.

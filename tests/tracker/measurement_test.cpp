@@ -36,21 +36,22 @@ ImmEstimate estimate_round(const Vector2& place_m, RandomStream& stream) {
   ImmEstimate estimate;
   for (int j = 0; j < 3; ++j) {
     estimate.modes.push_back(matrices::random_gaussian(stream));
-    estimate.modes.back().mean = make_state(place_m, {200.0, -100.0}) + State(80.0, 5.0, 80.0, 5.0).cwiseProduct(
-                                                                            matrices::normal_state(stream));
+    estimate.modes.back().mean = make_state(place_m, {200.0, -100.0}) +
+                                 State(80.0, 5.0, 80.0, 5.0).cwiseProduct(matrices::normal_state(stream));
   }
   estimate.probability = matrices::random_probability(stream, 3);
   return estimate;
 }
 
-std::vector<PredictedMeasurement> predicted_by(const Sensor& sensor, UpdateForm form, const ImmEstimate& estimate) {
+std::vector<PredictedMeasurement> predicted_by(const Sensor& sensor, UpdateForm form,
+                                               const ImmEstimate& estimate) {
   std::vector<PredictedMeasurement> predicted;
   EXPECT_EQ(predict_measurements(sensor, form, estimate, predicted), Numerics::kOk);
   return predicted;
 }
 
-// Central differences of z(x), bearings the short way round, with a step of 1e-5 of the range: the truncation is
-// (1e-5)^2 / 3 of the derivative, the rounding eps / 1e-5 of it; due south included.
+// Central differences of z(x), bearings the short way round, with a step of 1e-5 of the range: the truncation
+// is (1e-5)^2 / 3 of the derivative, the rounding eps / 1e-5 of it; due south included.
 TEST(EkfForm, LinearisesEachModeAtItsMean) {
   RandomStream stream(1);
   const RangeBearingRadar radar = radar_at({1e4, -2e4});
@@ -65,8 +66,9 @@ TEST(EkfForm, LinearisesEachModeAtItsMean) {
       const double step = 1e-5 * range_m;
       for (int component = 0; component < kStateSize; ++component) {
         const State d = step * State::Unit(component);
-        const Vector2 slope = innovation(radar, UpdateForm::kEkf, radar.measure(mean + d), radar.measure(mean - d)) /
-                              (2.0 * step);
+        const Vector2 slope =
+            innovation(radar, UpdateForm::kEkf, radar.measure(mean + d), radar.measure(mean - d)) /
+            (2.0 * step);
         EXPECT_NEAR(predicted[j].h(0, component), slope[0], 1e-9) << degree;
         EXPECT_NEAR(predicted[j].h(1, component), slope[1], 1e-9 / range_m) << degree;
       }
@@ -80,7 +82,8 @@ TEST(EveryForm, TakesTheNoiseAtTheWeightedMeanForEveryMode) {
   ImmEstimate estimate = estimate_round({3e4, 4e4}, stream);
   estimate.modes[2].mean += make_state({2e3, 3e3}, {0.0, 0.0});
   const Matrix2 r = radar.noise(combined_mean(estimate));
-  for (const PredictedMeasurement& mode : predicted_by(radar, UpdateForm::kEkf, estimate)) EXPECT_EQ(mode.r, r);
+  for (const PredictedMeasurement& mode : predicted_by(radar, UpdateForm::kEkf, estimate))
+    EXPECT_EQ(mode.r, r);
   const auto converted = predicted_by(radar, UpdateForm::kConverted, estimate);
   for (const PredictedMeasurement& mode : converted) EXPECT_EQ(mode.r, converted[0].r);
 }
@@ -94,8 +97,8 @@ TEST(ConvertedForm, NoiseIsEvansPrintedMatrix) {
     for (int degree = -180; degree <= 180; degree += 15) {
       const double theta = (90.0 - degree) * kDegree;
       const Vector2 place = origin + range_m * Vector2(std::cos(theta), std::sin(theta));
-      ImmEstimate estimate = make_estimate({make_state(place, {0.0, 0.0}), StateMatrix::Identity()},
-                                           Eigen::Vector2d(0.5, 0.5));
+      ImmEstimate estimate =
+          make_estimate({make_state(place, {0.0, 0.0}), StateMatrix::Identity()}, Eigen::Vector2d(0.5, 0.5));
       const double d2s = std::pow(range_m * radar.azimuth_sigma_rad(range_m), 2);
       const double s2 = std::pow(radar.range_sigma_m(range_m), 2);
       const double s = std::sin(theta);
@@ -103,7 +106,8 @@ TEST(ConvertedForm, NoiseIsEvansPrintedMatrix) {
       Matrix2 printed;
       printed << d2s * s * s + s2 * c * c, (s2 - d2s) * s * c,  //
           (s2 - d2s) * s * c, d2s * c * c + s2 * s * s;
-      // The direction of 100 m from an origin of 1e5 m is good to 1e3 eps, and noise of SNR to four times that.
+      // The direction of 100 m from an origin of 1e5 m is good to 1e3 eps, and noise of SNR to four times
+      // that.
       const auto predicted = predicted_by(radar, UpdateForm::kConverted, estimate);
       EXPECT_TRUE(near(predicted[0].r, printed, 8e3 * kEpsilon * std::max(d2s, s2)))
           << range_m << " m, " << degree << " deg";
@@ -113,7 +117,8 @@ TEST(ConvertedForm, NoiseIsEvansPrintedMatrix) {
   }
 }
 
-// Due east the range is along x, due north along y: the twin that shows which of sin^2 and cos^2 stands where.
+// Due east the range is along x, due north along y: the twin that shows which of sin^2 and cos^2 stands
+// where.
 TEST(ConvertedForm, RangeNoiseLiesAlongTheLineOfSight) {
   const RangeBearingRadar radar = radar_at({0.0, 0.0});
   const double along = std::pow(radar.range_sigma_m(1e5), 2);
@@ -167,7 +172,8 @@ TEST(PredictMeasurements, ReportsAModeThatIsNotPositiveDefinite) {
   estimate.modes[1].covariance = -1e6 * StateMatrix::Identity();
   std::vector<PredictedMeasurement> predicted;
   for (const UpdateForm form : {UpdateForm::kEkf, UpdateForm::kConverted}) {
-    EXPECT_EQ(predict_measurements(radar_at({0.0, 0.0}), form, estimate, predicted), Numerics::kNotPositiveDefinite);
+    EXPECT_EQ(predict_measurements(radar_at({0.0, 0.0}), form, estimate, predicted),
+              Numerics::kNotPositiveDefinite);
   }
 }
 
@@ -225,8 +231,8 @@ State rotate(const State& x, double angle_rad) {
   return make_state(rotate(position(x), angle_rad), rotate(velocity(x), angle_rad));
 }
 
-/// A target that crosses the azimuth `rotation` from left to right, 30 km from the radar, and manoeuvres on the way:
-/// the track's combined estimate at every scan. Plots carry the same errors whatever the rotation.
+/// A target that crosses the azimuth `rotation` from left to right, 30 km from the radar, and manoeuvres on
+/// the way: the track's combined estimate at every scan. Plots carry the same errors whatever the rotation.
 std::vector<Gaussian> fly_past(const Flight& flight) {
   RandomStream stream(7);
   const RangeBearingRadar radar = radar_at({0.0, 0.0});
@@ -236,8 +242,7 @@ std::vector<Gaussian> fly_past(const Flight& flight) {
   Tracker tracker(discretise(bank, 1.0).value(), bank.initial_probability, settings);
   State truth = make_state({-5e3, 30e3}, {250.0, 0.0});
   const State first_guess = truth + State(50.0, -20.0, -80.0, 10.0);
-  const Gaussian belief{rotate(first_guess, flight.rotation_rad),
-                        State(1e4, 400.0, 1e4, 400.0).asDiagonal()};
+  const Gaussian belief{rotate(first_guess, flight.rotation_rad), State(1e4, 400.0, 1e4, 400.0).asDiagonal()};
   Track track = tracker.start(TrackId{1}, "one", belief);
   std::vector<Gaussian> estimates;
   for (int k = 1; k <= 40; ++k) {
@@ -250,16 +255,18 @@ std::vector<Gaussian> fly_past(const Flight& flight) {
     const Vector2 z = exact + root * Vector2(stream.normal(), stream.normal());
     const TimePoint time = kStreamStart + from_seconds(k);
     const Plot plot{time, RadarId{1}, {z[0], wrap_angle(z[1] + flight.rotation_rad)}, std::nullopt};
-    const LookOutcome outcome = tracker.look(track, radar, {RadarId{1}, TrackId{1}, time, State::Zero()}, {&plot, 1});
+    const LookOutcome outcome =
+        tracker.look(track, radar, {RadarId{1}, TrackId{1}, time, State::Zero()}, {&plot, 1});
     EXPECT_TRUE(outcome.used_plot) << "scan " << k << ", rotation " << flight.rotation_rad;
     estimates.push_back(track.combined);
   }
   return estimates;
 }
 
-// The bank is the same in every direction, so that the whole tracker turns with the plane. A crossing of the cut due
-// south (rotation 180 deg) is nothing else than one due north. Rotating costs eps of 30 km, 7e-12 m, and the filter
-// returns it at most a hundredfold: 1e-9 of positions and velocities, relative to kilometres and hundreds of m/s.
+// The bank is the same in every direction, so that the whole tracker turns with the plane. A crossing of the
+// cut due south (rotation 180 deg) is nothing else than one due north. Rotating costs eps of 30 km, 7e-12 m,
+// and the filter returns it at most a hundredfold: 1e-9 of positions and velocities, relative to kilometres
+// and hundreds of m/s.
 TEST(Tracking, IsInvariantUnderRotationAcrossTheCut) {
   for (const UpdateForm form : {UpdateForm::kEkf, UpdateForm::kConverted}) {
     const std::vector<Gaussian> north = fly_past({0.0, form});
@@ -268,8 +275,10 @@ TEST(Tracking, IsInvariantUnderRotationAcrossTheCut) {
       ASSERT_EQ(turned.size(), north.size());
       for (std::size_t k = 0; k < north.size(); ++k) {
         const State back = rotate(turned[k].mean, -rotation);
-        EXPECT_TRUE(near(position(back), position(north[k].mean), 1e-9 * 30e3)) << k << ", rotation " << rotation;
-        EXPECT_TRUE(near(velocity(back), velocity(north[k].mean), 1e-9 * 250.0)) << k << ", rotation " << rotation;
+        EXPECT_TRUE(near(position(back), position(north[k].mean), 1e-9 * 30e3))
+            << k << ", rotation " << rotation;
+        EXPECT_TRUE(near(velocity(back), velocity(north[k].mean), 1e-9 * 250.0))
+            << k << ", rotation " << rotation;
         const double variance = north[k].covariance.trace();
         EXPECT_NEAR(turned[k].covariance.trace(), variance, 1e-9 * variance);
       }

@@ -21,7 +21,8 @@ constexpr double kMatrixFunction = 1e-13;
 Eigen::MatrixXd matrix(std::initializer_list<std::initializer_list<double>> rows) {
   Eigen::MatrixXd m(std::ssize(rows), std::ssize(*rows.begin()));
   Eigen::Index i = 0;
-  for (const auto& row : rows) m.row(i++) = Eigen::Map<const Eigen::RowVectorXd>(row.begin(), std::ssize(row));
+  for (const auto& row : rows)
+    m.row(i++) = Eigen::Map<const Eigen::RowVectorXd>(row.begin(), std::ssize(row));
   return m;
 }
 
@@ -38,7 +39,8 @@ TEST(TransitionOver, WholeIntervalsArePowers) {
   EXPECT_EQ(*transition_over(kTwoModes, 0.3 / 0.1), *transition_over(kTwoModes, 3.0));
 }
 
-// P^t = pi + (1 - a - b)^t (I - pi) for two modes that leave with probabilities a and b; pi = [b a; b a] / (a + b).
+// P^t = pi + (1 - a - b)^t (I - pi) for two modes that leave with probabilities a and b; pi = [b a; b a] / (a
+// + b).
 TEST(TransitionOver, TwoModesFollowTheClosedForm) {
   const Eigen::MatrixXd stationary = matrix({{.3, .05}, {.3, .05}}) / 0.35;
   for (const double ratio : {0.01, 0.5, 1.5, 2.0, 7.25}) {
@@ -49,8 +51,8 @@ TEST(TransitionOver, TwoModesFollowTheClosedForm) {
 }
 
 // Whatever has no continuous-time chain behind it has no half: a chain that would rather jump than stay has a
-// negative eigenvalue, one that forgets in a single step has none but zero, and one whose third mode is reached from
-// the first only by way of the second would have to have been there already.
+// negative eigenvalue, one that forgets in a single step has none but zero, and one whose third mode is
+// reached from the first only by way of the second would have to have been there already.
 TEST(TransitionOver, ChainWithoutAFractionIsEmpty) {
   EXPECT_FALSE(transition_over(matrix({{.1, .9}, {.9, .1}}), 0.5));
   EXPECT_FALSE(transition_over(matrix({{.5, .5}, {.5, .5}}), 0.5));
@@ -65,9 +67,14 @@ TEST(TransitionOver, ChainWithoutAFractionStillHasItsPowers) {
 
 TEST(TransitionOver, OneModeStays) { EXPECT_EQ(transition_over(matrix({{1.0}}), 0.37).value()(0, 0), 1.0); }
 
-TEST(TransitionOver, ModesThatAreNeverLeftStayApart) {
-  const Eigen::MatrixXd apart = Eigen::MatrixXd::Identity(3, 3);
-  EXPECT_TRUE(near(transition_over(apart, 0.5).value(), apart, kEpsilon));
+// Two pairs that never meet: rounding puts nothing between them, and nothing under zero.
+TEST(TransitionOver, ModesThatNeverMeetStayApart) {
+  const Eigen::MatrixXd pairs = matrix({{.95, 0, .05, 0}, {0, .9, 0, .1}, {.3, 0, .7, 0}, {0, .25, 0, .75}});
+  for (const double ratio : {0.01, 0.3, 0.5, 1.7}) {
+    const Eigen::MatrixXd part = transition_over(pairs, ratio).value();
+    EXPECT_GE(part.minCoeff(), 0.0) << ratio;
+    EXPECT_LT(part(0, 1) + part(0, 3) + part(1, 0) + part(3, 2), kMatrixFunction) << ratio;
+  }
 }
 
 class NamedBankLaw : public testing::TestWithParam<std::string> {
@@ -123,6 +130,15 @@ TEST_P(NamedBankLaw, DiscretisesModeByMode) {
   }
 }
 
+TEST(Discretise, CountsIntervalsOfTheChain) {
+  ModeBank bank;
+  bank.modes.resize(2);
+  bank.transition = kTwoModes;
+  bank.transition_interval_s = 2.0;
+  EXPECT_EQ(discretise(bank, 4.0)->transition, kTwoModes * kTwoModes);
+  EXPECT_EQ(discretise(bank, 4.0)->f[0](kX, kVx), 4.0);
+}
+
 TEST(Discretise, ChainWithoutAFractionIsEmpty) {
   ModeBank bank;
   bank.modes.resize(2);
@@ -164,7 +180,8 @@ TEST(NamedBank, EvansPractical) {
   EXPECT_EQ(discrete.transition, kTwoModes);
 }
 
-// Liu, Hwang (2011), (22)-(24): left and right turn at 10 deg/s, constant velocity; noise [T^2/2 T] of 1 m/s^2.
+// Liu, Hwang (2011), (22)-(24): left and right turn at 10 deg/s, constant velocity; noise [T^2/2 T] of 1
+// m/s^2.
 TEST(NamedBank, LiuHwang) {
   const ModeBank bank = named_bank("liu_hwang").value();
   const DiscreteBank discrete = discretise(bank, 1.0).value();
@@ -192,7 +209,8 @@ TEST(NamedBank, CruiseAndTurn) {
   EXPECT_EQ(discrete.q[0](kVx, kVx), 0.1);
   EXPECT_EQ(discrete.q[1](kVx, kVx), 60.0);
   EXPECT_EQ(discrete.q[2](kVx, kVx), 2000.0);
-  EXPECT_EQ(discrete.transition, matrix({{.9955, .0040, .0005}, {.0200, .9750, .0050}, {.0100, .1900, .8000}}));
+  EXPECT_EQ(discrete.transition,
+            matrix({{.9955, .0040, .0005}, {.0200, .9750, .0050}, {.0100, .1900, .8000}}));
   EXPECT_EQ(bank.initial_probability, Eigen::Vector3d(.9, .05, .05));
 }
 

@@ -12,6 +12,7 @@
 namespace dwell {
 namespace {
 
+using catalogue::alternating_series;
 using catalogue::NamedMotion;
 using matrices::kEpsilon;
 using matrices::near;
@@ -28,8 +29,9 @@ INSTANTIATE_TEST_SUITE_P(Every, MotionLaw, testing::ValuesIn(catalogue::every_mo
 
 TEST_P(MotionLaw, NoTimeIsTheIdentity) { EXPECT_EQ(transition(motion(), 0.0), StateMatrix::Identity()); }
 
-// F(a + b) = F(b) F(a). The intervals are binary fractions, so a + b is exact. What is left is the rounding of the
-// elements and of their products, a few eps of (|F(b)| |F(a)|)_ij, and that of the angle, eps |w (a + b)|.
+// F(a + b) = F(b) F(a). The intervals are binary fractions, so a + b is exact. What is left is the rounding
+// of the elements and of their products, a few eps of (|F(b)| |F(a)|)_ij, and that of the angle, eps |w (a +
+// b)|.
 TEST_P(MotionLaw, IntervalsCompose) {
   for (const double a : {0.0, 0.125, 1.0, 3.5, 64.0}) {
     for (const double b : {0.25, 1.0, 10.0, 100.0}) {
@@ -77,19 +79,8 @@ TEST(CoordinatedTurn, FullCircleReturns) {
   }
 }
 
-/// sum_k (-u^2)^k u^first / (first + 2k)! in long double, first >= 0: cos u, sin u, 1 - cos u (first = 2), ...
-long double alternating_series(long double u, int first) {
-  long double term = 1.0L;
-  for (int k = 1; k <= first; ++k) term *= u / static_cast<long double>(k);
-  long double sum = 0.0L;
-  for (int k = first; k < first + 40; k += 2) {
-    sum += term;
-    term *= -u * u / static_cast<long double>((k + 1) * (k + 2));
-  }
-  return sum;
-}
-
-// Each element to 4 eps of itself, down to turns of 1e-15 rad: nothing cancels on the way to constant velocity.
+// Each element to 4 eps of itself, down to turns of 1e-15 rad: nothing cancels on the way to constant
+// velocity.
 TEST(CoordinatedTurn, EveryElementIsExactForTinyTurns) {
   for (const double dt_s : {0.01, 1.0, 100.0}) {
     for (double turn = 0.5; turn > 1e-15; turn *= 0.3) {
@@ -98,7 +89,8 @@ TEST(CoordinatedTurn, EveryElementIsExactForTinyTurns) {
       const long double u = static_cast<long double>(rate) * static_cast<long double>(dt_s);
       const auto w = static_cast<long double>(rate);
       const auto expect_equal = [&](double actual, long double expected) {
-        EXPECT_NEAR(actual, static_cast<double>(expected), 4.0 * kEpsilon * std::abs(static_cast<double>(expected)))
+        EXPECT_NEAR(actual, static_cast<double>(expected),
+                    4.0 * kEpsilon * std::abs(static_cast<double>(expected)))
             << "turn " << turn << " over " << dt_s << " s";
       };
       expect_equal(f(kX, kVx), alternating_series(u, 1) / w);

@@ -13,18 +13,20 @@
 #include "tests/tracker/matrices.hpp"
 #include "tracker/measurement.hpp"
 
-/// Covariances stay symmetric and positive definite over a million cycles of prediction and update: every bank, both
-/// update forms, intervals 1e-3 .. 100 s, targets 10 m .. 1000 km away in every direction, and measurement variances
-/// of 1e-9 .. 1e9 times the predicted one.
+/// Covariances stay symmetric and positive definite over a million cycles of prediction and update: every
+/// bank, both update forms, intervals 1e-3 .. 100 s, targets 10 m .. 1000 km away in every direction, and
+/// measurement variances of 1e-9 .. 1e9 times the predicted one.
 ///
-/// How much finer a radar measures along than across, as a ratio of variances, is bounded here by 1e8; a radar of
-/// 1 degree and 50 ns has 2e6 at 1000 km. At 1e12 the converted form loses definiteness in some of 1e5 updates, because
-/// R itself, turned into x and y, is no longer representable; the EKF form does so at 1e14, where P is not.
+/// How much finer a radar measures along than across, as a ratio of variances, is bounded here by 1e8; a
+/// radar of 1 degree and 50 ns has 2e6 at 1000 km. At 1e12 the converted form loses definiteness in some of
+/// 1e5 updates, because R itself, turned into x and y, is no longer representable; the EKF form does so at
+/// 1e14, where P is not.
 namespace dwell {
 namespace {
 
 constexpr double kLargestAspect = 1e8;
-constexpr int kCyclesPerTrack = 1000;  // positions wander off with their own noise: start again before they matter
+constexpr int kCyclesPerTrack =
+    1000;  // positions wander off with their own noise: start again before they matter
 
 double log_uniform(RandomStream& stream, double low, double high) {
   return std::exp(stream.uniform(std::log(low), std::log(high)));
@@ -50,7 +52,8 @@ std::vector<DiscreteBank> over_random_intervals(const ModeBank& bank, RandomStre
   return banks;
 }
 
-/// A radar somewhere round the belief whose variances are random multiples of the belief's own along and across.
+/// A radar somewhere round the belief whose variances are random multiples of the belief's own along and
+/// across.
 RangeBearingRadar random_radar(const Gaussian& belief, RandomStream& stream) {
   const double azimuth = stream.uniform(-std::numbers::pi, std::numbers::pi);
   const Vector2 along(std::sin(azimuth), std::cos(azimuth));
@@ -74,8 +77,10 @@ Gaussian new_belief(RandomStream& stream) {
 
 /// Innovations of one plot in every mode: drawn from the first mode's prediction.
 std::vector<Vector2> draw_innovations(const Sensor& sensor, UpdateForm form,
-                                      const std::vector<PredictedMeasurement>& predicted, RandomStream& stream) {
-  const Vector2 z = predicted[0].z + predicted[0].s_root.matrixL() * Vector2(stream.normal(), stream.normal());
+                                      const std::vector<PredictedMeasurement>& predicted,
+                                      RandomStream& stream) {
+  const Vector2 z =
+      predicted[0].z + predicted[0].s_root.matrixL() * Vector2(stream.normal(), stream.normal());
   std::vector<Vector2> innovations;
   for (const PredictedMeasurement& mode : predicted) {
     innovations.push_back(innovation(sensor, form, z, mode.z));

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <tuple>
 
-#include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
+#include <Eigen/Eigenvalues>
 
 #include "tests/tracker/catalogue.hpp"
 #include "tests/tracker/matrices.hpp"
@@ -19,7 +19,8 @@ using matrices::kEpsilon;
 using matrices::near;
 using matrices::scale_of;
 
-/// (u - sin u) / u^2, the worst of the closed forms, loses a factor 6 / u^2 where it is not a series, 600 at most.
+/// (u - sin u) / u^2, the worst of the closed forms, loses a factor 6 / u^2 where it is not a series, 600 at
+/// most.
 constexpr double kClosedForm = 600.0 * kEpsilon;
 
 class NoiseLaw : public testing::TestWithParam<std::tuple<NamedMotion, NamedNoise>> {
@@ -54,8 +55,8 @@ TEST_P(NoiseLaw, IntervalsCompose) {
   }
 }
 
-// One step of noise of fewer ranks than states is singular: its least eigenvalue is zero but for rounding, which is
-// a few eps of the largest, 4 of a matrix of correlations.
+// One step of noise of fewer ranks than states is singular: its least eigenvalue is zero but for rounding,
+// which is a few eps of the largest, 4 of a matrix of correlations.
 TEST_P(NoiseLaw, IsSymmetricAndNotNegative) {
   for (const double dt_s : kIntervals) {
     if (!divides(noise(), dt_s)) continue;
@@ -69,8 +70,8 @@ TEST_P(NoiseLaw, IsSymmetricAndNotNegative) {
   }
 }
 
-/// integral over 0..T of g(s), by Gauss's five nodes on 64 pieces: exact for polynomials of degree 9 on each piece,
-/// which leaves far less than rounding for sines of under one radian a piece.
+/// integral over 0..T of g(s), by Gauss's five nodes on 64 pieces: exact for polynomials of degree 9 on each
+/// piece, which leaves far less than rounding for sines of under one radian a piece.
 template <class Integrand>
 StateMatrix integrate(double end, const Integrand& g) {
   const double inner = std::sqrt(5.0 - 2.0 * std::sqrt(10.0 / 7.0)) / 3.0;
@@ -108,17 +109,24 @@ TEST_P(WhiteNoise, EqualsItsIntegral) {
   }
 }
 
-// The covariance of position and velocity across, -q T^2 u / 6 for small turns, must keep its own digits, not only
-// those of the variances: the first two terms of its series are good to u^4 / 840 < 2e-15 of it here.
+// q (T - sin(u) / w) / w across and q (1 - cos u) / w^2 along must keep their own digits, not only those of
+// the variances, down to turns of 1e-15 rad. Beyond 0.1 rad u - sin u is a difference, with the loss above.
 TEST(WhiteNoise, CrossCovarianceOfTinyTurnsDoesNotCancel) {
-  const double dt_s = 3.0;
   const double density = 2.0;
-  for (double turn = 1e-3; turn > 1e-15; turn *= 0.1) {
-    const StateMatrix q = white_noise(CoordinatedTurn{turn / dt_s}, density, dt_s);
-    const double across = density * dt_s * dt_s * turn / 6.0 * (1.0 - turn * turn / 20.0);
-    EXPECT_NEAR(q(kX, kVy), across, 8.0 * kEpsilon * across) << turn;
-    EXPECT_NEAR(q(kY, kVx), -across, 8.0 * kEpsilon * across) << turn;
-    EXPECT_NEAR(q(kX, kX), density * 9.0, 18.0 * (turn * turn / 20.0 + 8.0 * kEpsilon)) << turn;
+  for (const double dt_s : {0.1, 3.0}) {
+    for (double turn = 0.4; turn > 1e-15; turn *= 0.7) {
+      const StateMatrix q = white_noise(CoordinatedTurn{turn / dt_s}, density, dt_s);
+      const auto w = static_cast<long double>(turn / dt_s);
+      const auto u = w * static_cast<long double>(dt_s);
+      const auto across = static_cast<double>(density * catalogue::alternating_series(u, 3) / (w * w));
+      const auto along = static_cast<double>(density * catalogue::alternating_series(u, 2) / (w * w));
+      const double loss = turn > 0.1 ? kClosedForm : 8.0 * kEpsilon;
+      EXPECT_NEAR(q(kX, kVy), across, loss * across) << turn;
+      EXPECT_NEAR(q(kY, kVx), -across, loss * across) << turn;
+      EXPECT_NEAR(q(kX, kVx), along, 8.0 * kEpsilon * along) << turn;
+      EXPECT_NEAR(q(kX, kX), 2.0 * across / static_cast<double>(w),
+                  2.0 * loss * across / static_cast<double>(w));
+    }
   }
 }
 

@@ -5,8 +5,8 @@
 #include <limits>
 #include <vector>
 
-#include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
+#include <Eigen/Eigenvalues>
 
 #include "radar/linear_sensor.hpp"
 #include "radar/range_bearing_radar.hpp"
@@ -31,7 +31,8 @@ LinearSensor position_sensor(double detection_probability = 0.9) {
 /// One mode of constant velocity without noise, over one second.
 Tracker one_mode_tracker(const TrackerSettings& settings = {}) {
   return {{{transition(ConstantVelocity{}, 1.0)}, {StateMatrix::Zero()}, Eigen::MatrixXd::Ones(1, 1)},
-          Eigen::VectorXd::Ones(1), settings};
+          Eigen::VectorXd::Ones(1),
+          settings};
 }
 
 Tracker named_tracker(std::string_view name, const TrackerSettings& settings = {}) {
@@ -97,9 +98,10 @@ TEST(BeliefFrom, HasTheVelocityGivenAndIsExactlySymmetric) {
   }
 }
 
-// Errors of the believed places, whitened by the believed covariance, are N(0, I): their sample moments are sums of
-// squares of independent standard normals, N chi-square on each axis, and of u + v and u - v for the cross term. The
-// conversion's bias, sigma_azimuth^2 R / 2 = 0.05 m against 7 m, is far below what the count resolves.
+// Errors of the believed places, whitened by the believed covariance, are N(0, I): their sample moments are
+// sums of squares of independent standard normals, N chi-square on each axis, and of u + v and u - v for the
+// cross term. The conversion's bias, sigma_azimuth^2 R / 2 = 0.05 m against 7 m, is far below what the count
+// resolves.
 TEST(BeliefFrom, CovarianceIsThatOfThePlots) {
   RadarFigures figures;
   figures.snr_reference = 0.5;
@@ -113,7 +115,8 @@ TEST(BeliefFrom, CovarianceIsThatOfThePlots) {
     Matrix2 turned_moments = Matrix2::Zero();  // the twin: as if x and y had changed places
     for (int i = 0; i < count; ++i) {
       const Vector2 z(1e5 + 7.5 * stream.normal(), wrap_angle(azimuth + 1e-3 * stream.normal()));
-      const Gaussian belief = Tracker::belief_from({kDwell.time, kDwell.radar, z, std::nullopt}, radar, 1.0).value();
+      const Gaussian belief =
+          Tracker::belief_from({kDwell.time, kDwell.radar, z, std::nullopt}, radar, 1.0).value();
       const Matrix2 p = position_block(belief.covariance);
       const Vector2 error = position(belief.mean) - truth;
       const Vector2 white = p.llt().matrixL().solve(error);
@@ -167,7 +170,8 @@ TEST(Look, GateIsSixteen) {
   Tracker tracker = one_mode_tracker();
   for (const auto& [squared, inside] : {std::pair(15.9, true), std::pair(16.1, false)}) {
     Track track = tracker.start(TrackId{1}, "one", belief_at_origin());
-    EXPECT_EQ(look(tracker, track, {plot_at_sigmas(std::sqrt(squared))}).used_plot.has_value(), inside) << squared;
+    EXPECT_EQ(look(tracker, track, {plot_at_sigmas(std::sqrt(squared))}).used_plot.has_value(), inside)
+        << squared;
   }
 }
 
@@ -194,32 +198,68 @@ TEST(Look, InfiniteGateTakesEveryPlot) {
   EXPECT_TRUE(track.alive());
 }
 
-// The narrow mode rejects what the wide one expects.
+/// Modes that stand still, with these weights.
+Tracker standing_tracker(const Eigen::VectorXd& probability, const TrackerSettings& settings = {}) {
+  const auto modes = static_cast<std::size_t>(probability.size());
+  return {{std::vector<StateMatrix>(modes, StateMatrix::Identity()),
+           std::vector<StateMatrix>(modes, StateMatrix::Zero()),
+           Eigen::MatrixXd::Identity(probability.size(), probability.size())},
+          probability,
+          settings};
+}
+
+// The narrow mode rejects what the wide one expects, whichever comes first.
 TEST(Look, GateOfAnyModeIsEnough) {
-  Tracker tracker({{2, StateMatrix::Identity()}, {2, StateMatrix::Zero()}, Eigen::MatrixXd::Identity(2, 2)},
-                  Eigen::Vector2d(0.99, 0.01), {});
+  for (const int wide : {0, 1}) {
+    Tracker tracker = standing_tracker(Eigen::Vector2d(0.5, 0.5));
+    Track track = tracker.start(TrackId{1}, "one", belief_at_origin());
+    track.estimate.modes[wide].covariance *= 100.0;
+    EXPECT_TRUE(look(tracker, track, {plot_at_sigmas(10.0)}).used_plot);
+    EXPECT_GT(track.estimate.probability[wide], 0.99);  // likelihoods in the ratio e^49 / 64
+  }
+}
+
+// (3e154)^2 is beyond all doubles, and a spread of means between a mode that follows the plot and one that
+// does not. The distance, a ninth of it, is not: an infinite gate lets it in. The combined estimate stays
+// what it last was.
+TEST(Look, PlotBeyondAllNumbersLosesTheTrack) {
+  Tracker tracker = standing_tracker(Eigen::Vector2d(0.5, 0.5), {.gate = kInfinity});
   Track track = tracker.start(TrackId{1}, "one", belief_at_origin());
-  track.estimate.modes[1].covariance *= 100.0;
-  EXPECT_TRUE(look(tracker, track, {plot_at_sigmas(10.0)}).used_plot);
-  EXPECT_GT(track.estimate.probability[1], 0.99);  // likelihoods in the ratio e^49 / 64
+  track.estimate.modes[0].covariance *= 1e-9;
+  track.estimate.modes[1].covariance *= 1e9;
+  look(tracker, track, {plot_at(3e154, 0.0)});
+  EXPECT_EQ(track.loss, LossCause::kNumerics);
+  EXPECT_EQ(track.combined.mean, belief_at_origin().mean);
+  EXPECT_FALSE(track.nis);
 }
 
 TEST(Look, ChoosesThePlotOfTheGreatestDensity) {
   Tracker tracker = one_mode_tracker();
-  const std::vector<Plot> plots{plot_at(8.0, 0.0), plot_at(0.0, -3.0), plot_at(100.0, 0.0), plot_at(3.1, 0.0)};
+  const std::vector<Plot> plots{plot_at(8.0, 0.0), plot_at(0.0, -3.0), plot_at(100.0, 0.0),
+                                plot_at(3.1, 0.0)};
   Track track = tracker.start(TrackId{1}, "one", belief_at_origin());
   EXPECT_EQ(look(tracker, track, plots).used_plot, 1u);
 }
 
 // Two modes of variances 25 and 2500 (S), weights 1/2, 60 m apart. At 7 m from the narrow one the density is
-// e^(-49/50) / 25 = 0.015; at the centre of the wide one 1 / 2500 = 0.0004, though its own distance there is zero.
+// e^(-49/50) / 25 = 0.015; at the centre of the wide one 1 / 2500 = 0.0004, though its own distance there is
+// zero.
 TEST(Look, DensityCountsTheDeterminant) {
-  Tracker tracker({{2, StateMatrix::Identity()}, {2, StateMatrix::Zero()}, Eigen::MatrixXd::Identity(2, 2)},
-                  Eigen::Vector2d(0.5, 0.5), {});
+  Tracker tracker = standing_tracker(Eigen::Vector2d(0.5, 0.5));
   Track track = tracker.start(TrackId{1}, "one", belief_at_origin());
   track.estimate.modes[1].mean = make_state({60.0, 0.0}, {0.0, 0.0});
   track.estimate.modes[1].covariance(kX, kX) = track.estimate.modes[1].covariance(kY, kY) = 2491.0;
   EXPECT_EQ(look(tracker, track, {plot_at(60.0, 0.0), plot_at(0.0, 7.0)}).used_plot, 1u);
+}
+
+// All S are the same. At the origin two modes add up to more than the one at 60 m has alone, in either order.
+TEST(Look, DensityIsTheSumOverModes) {
+  for (const auto& probability : {Eigen::Vector3d(.28, .32, .4), Eigen::Vector3d(.32, .28, .4)}) {
+    Tracker tracker = standing_tracker(probability);
+    Track track = tracker.start(TrackId{1}, "one", belief_at_origin());
+    track.estimate.modes[2].mean = make_state({60.0, 0.0}, {0.0, 0.0});
+    EXPECT_EQ(look(tracker, track, {plot_at(60.0, 0.0), plot_at(0.0, 0.0)}).used_plot, 1u);
+  }
 }
 
 TEST(Look, TheFirstOfTwoIdenticalPlotsIsUsedOnce) {
@@ -235,7 +275,8 @@ TEST(Look, PlotsThatAreNotFiniteArePassedOver) {
   Tracker tracker = named_tracker("cruise_and_turn");
   Track track = tracker.start(TrackId{1}, "one", belief_at_origin());
   Track alone = track;
-  const std::vector<Plot> plots{plot_at(kNan, 0.0), plot_at(0.0, kNan), plot_at(kInfinity, 0.0), plot_at(4.0, 1.0)};
+  const std::vector<Plot> plots{plot_at(kNan, 0.0), plot_at(0.0, kNan), plot_at(kInfinity, 0.0),
+                                plot_at(4.0, 1.0)};
   EXPECT_EQ(look(tracker, track, plots).used_plot, 3u);
   look(tracker, alone, {plots[3]});
   expect_same_belief(track, alone);
@@ -278,7 +319,8 @@ int looks_until_lost(double detection_probability) {
   return looks;
 }
 
-// The least n with (1 - P_d)^n <= 1e-8: .1^8 and .01^4 are just that (P_d = 1 is believed as .99), .5^27 = 7.5e-9.
+// The least n with (1 - P_d)^n <= 1e-8: .1^8 and .01^4 are just that (P_d = 1 is believed as .99), .5^27
+// = 7.5e-9.
 TEST(Look, TrackIsLostWhenItsMissesAreNotToBeBelieved) {
   EXPECT_EQ(looks_until_lost(0.9), 8);
   EXPECT_EQ(looks_until_lost(0.5), 27);
@@ -299,8 +341,8 @@ TEST(Look, OnePlotConfirmsAgainAndForgetsTheMisses) {
   }
 }
 
-// Two tracks in one tracker; the numbers of the first are broken at every border. The second is, bit for bit, what it
-// is alone.
+// Two tracks in one tracker; the numbers of the first are broken at every border. The second is, bit for bit,
+// what it is alone.
 TEST(Tracker, FailureTouchesOneTrackOnly) {
   const RangeBearingRadar radar{RadarFigures{}};
   const Gaussian belief{{3e4, 100.0, 4e4, 0.0}, State(1e4, 1e2, 1e4, 1e2).asDiagonal()};
@@ -333,8 +375,8 @@ TEST(Tracker, FailureTouchesOneTrackOnly) {
   }
 }
 
-// Straight through the radar's own place, which no plot can come from: nothing it holds is ever NaN, and it is not lost
-// for its numbers.
+// Straight through the radar's own place, which no plot can come from: nothing it holds is ever NaN, and it
+// is not lost for its numbers.
 TEST(Tracker, TargetOverTheRadarGivesNoNan) {
   const RangeBearingRadar radar{RadarFigures{}};
   for (const UpdateForm form : {UpdateForm::kEkf, UpdateForm::kConverted}) {
@@ -346,7 +388,8 @@ TEST(Tracker, TargetOverTheRadarGivesNoNan) {
         truth = transition(ConstantVelocity{}, 1.0) * truth;
         tracker.predict(track);
         std::vector<Plot> plots;
-        if (radar.covers(truth)) plots.push_back({kDwell.time, kDwell.radar, radar.measure(truth), std::nullopt});
+        if (radar.covers(truth))
+          plots.push_back({kDwell.time, kDwell.radar, radar.measure(truth), std::nullopt});
         look(tracker, track, plots, radar);
         ASSERT_NE(track.loss, LossCause::kNumerics) << "scan " << k << ", passing " << miss_m << " m off";
         ASSERT_TRUE(track.combined.mean.allFinite() && track.combined.covariance.allFinite());
