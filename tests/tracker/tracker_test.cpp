@@ -262,6 +262,14 @@ TEST(Look, DensityIsTheSumOverModes) {
   }
 }
 
+// Nine to one for the mode at 60 m: its plot is the likelier, though the other is as near to its own.
+TEST(Look, DensityCountsTheProbabilities) {
+  Tracker tracker = standing_tracker(Eigen::Vector2d(0.1, 0.9));
+  Track track = tracker.start(TrackId{1}, "one", belief_at_origin());
+  track.estimate.modes[1].mean = make_state({60.0, 0.0}, {0.0, 0.0});
+  EXPECT_EQ(look(tracker, track, {plot_at(0.0, 0.0), plot_at(60.0, 0.0)}).used_plot, 1u);
+}
+
 TEST(Look, TheFirstOfTwoIdenticalPlotsIsUsedOnce) {
   Tracker tracker = named_tracker("cruise_and_turn");
   Track once = tracker.start(TrackId{1}, "one", belief_at_origin());
