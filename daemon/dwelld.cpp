@@ -83,6 +83,7 @@ Plan plan_replay(const Flags& flags) {
   plan.options.replay = std::move(journal.requests);
   plan.options.scans = flags.scans;
   if (!flags.scans && journal.end) plan.options.scans = journal.end->scan();
+  if (journal.end && plan.options.scans == journal.end->scan()) plan.options.end_reason = journal.end->reason();
   if (!plan.options.scans) {
     throw InvalidInput(flags.replay, {{"end", "", "is missing, the run was cut off: say how many --scans to repeat"}});
   }
