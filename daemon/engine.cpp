@@ -193,6 +193,7 @@ void Engine::choose() {
   const Situation situation{report_.time, config_.looks_per_scan, config_.tracker.update,
                             sensor_views_, usage_cost_, tracks_, feasible_};
   policy_->decide(situation, report_.decision);
+  report_.policy = policy_->name();
   report_.looks.clear();
   report_.plots.clear();
 }

@@ -74,7 +74,7 @@ void Run::scan() {
       stream_.publish(Topic::kPlot, report.time);
     }
   }
-  encode(report, engine_.policy_name(), engine_.tracks(), *stream_.envelope(Topic::kScan).mutable_scan_report());
+  encode(report, engine_.tracks(), *stream_.envelope(Topic::kScan).mutable_scan_report());
   stream_.publish(Topic::kScan, report.time);
 }
 
@@ -316,9 +316,7 @@ void Run::fill_snapshot(v1::Snapshot& snapshot) const {
   for (std::size_t i = 0; i < engine_.sensors().size(); ++i) encode_radar(engine_, i, *snapshot.add_radar());
   for (const Mode& mode : engine_.config().bank.modes) snapshot.add_mode_name(mode.name);
   for (const Track& track : engine_.tracks()) encode(track, *snapshot.add_track());
-  if (scans() > 0) {
-    encode(engine_.last(), engine_.policy_name(), engine_.tracks(), *snapshot.mutable_last_scan());
-  }
+  if (scans() > 0) encode(engine_.last(), engine_.tracks(), *snapshot.mutable_last_scan());
   snapshot.set_scan_period_s(to_seconds(engine_.config().scan_period));
 }
 

@@ -365,8 +365,10 @@ TEST_F(RunTest, SnapshotIsWhatTheStreamHasSaid) {
       EXPECT_EQ(now.track(track).SerializeAsString(), tracks[static_cast<std::size_t>(track)]);
     }
   }
+  (void)ask(set_policy("c", "fixed"));
   const v1::Snapshot after = ask(snapshot("q")).accepted().snapshot();
-  EXPECT_TRUE(after.policy().has_largest_variance());
+  EXPECT_TRUE(after.policy().has_fixed());
+  EXPECT_EQ(after.last_scan().policy(), "largest_variance") << "which decided that scan";
   EXPECT_FALSE(after.radar(2).up());
   EXPECT_EQ(after.status().radars_up(), 2);
   EXPECT_EQ(after.scan_period_s(), 1.0);
