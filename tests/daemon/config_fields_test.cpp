@@ -50,6 +50,8 @@ const std::vector<Row> kRows{
    not_finite_and({"0", "-1", "0.0009", "3600.1"}), {"0.001", "0.25", "3600"}},
   {"Config.looks_per_scan", top("looks_per_scan: @"), "looks_per_scan", "must be a whole number from 1 to 1",
    {"0", "2", "4294967295"}, {"1"}},
+  {"Config.study_scans", top("study_scans: @"), "study_scans", "must be a whole number from 1 to 1000000",
+   {"0", "1000001", "4294967295"}, {"1", "1000000"}},
 
   {"Radar.x_m", radar("x_m: @"), "radar[1].x_m", "must be in [-1000000000, 1000000000]",
    not_finite_and({"1000000001", "-1000000001"}), {"-1e9", "0", "1e9"}},

@@ -7,13 +7,11 @@
 #include "daemon/config/policy_reader.hpp"
 #include "tests/daemon/support.hpp"
 #include "tests/scale.hpp"
+#include "tests/statistics.hpp"
 #include "tracker/metrics/nees.hpp"
 
 namespace dwell::testing {
 namespace {
-
-/// Chance that a correct program fails one statistical check: beyond 4.9 sigma of a normal variable, 1e-6.
-constexpr double kSigmas = 4.9;
 
 std::string published(const std::string& config, int scans) {
   RecordedRun recorded(config_of(config));
@@ -125,11 +123,9 @@ TEST(Engine, TracksStartAtTimeZeroAroundTheTruth) {
     const State truth = make_state({100.0 * std::stod(track.name), 30e3}, {20.0, 0.0});
     sum += nees(truth, track.combined);
   }
-  // Chi-square with 4 degrees of freedom a target.
-  const double degrees = 4.0 * kTargets;
-  EXPECT_NEAR(sum, degrees, kSigmas * std::sqrt(2.0 * degrees));
-  EXPECT_GT(sum * 1.5, degrees + kSigmas * std::sqrt(2.0 * degrees))
-      << "the check sees a variance 1.5 times too large";
+  const statistics::Band band = statistics::chi_square_band(4.0 * kTargets);
+  EXPECT_TRUE(band.contains(sum)) << sum;
+  EXPECT_FALSE(band.contains(1.5 * sum)) << "the check sees a variance 1.5 times too large";
 }
 
 TEST(Engine, LaterTargetGetsItsTrackAtItsFirstScan) {
@@ -152,9 +148,8 @@ TEST(Engine, ShareOfFirstPlotStartsIsThatOfTheDetections) {
                               many_targets(targets, "start { first_plot {} }")));
   for (int k = 0; k <= 5; ++k) {
     const double share = 1.0 - std::pow(0.7, k + 1);
-    const double sigma = std::sqrt(targets * share * (1.0 - share));
-    EXPECT_NEAR(static_cast<double>(engine.tracks().size()), targets * share, kSigmas * sigma)
-        << "at t = " << k;
+    const auto started = static_cast<double>(engine.tracks().size());
+    EXPECT_TRUE(statistics::binomial_band(targets, share).contains(started)) << started << " at t = " << k;
     (void)engine.scan();
   }
 }
@@ -171,7 +166,7 @@ TEST(Engine, FirstPlotStartIsConsistentInPosition) {
     EXPECT_EQ(velocity(track.combined.mean), Vector2::Zero());
     EXPECT_EQ(track.combined.covariance(kVx, kVx), 4900.0);
   }
-  EXPECT_NEAR(sum, 2.0 * targets, kSigmas * std::sqrt(4.0 * targets));
+  EXPECT_TRUE(statistics::chi_square_band(2.0 * targets).contains(sum)) << sum;
 }
 
 TEST(Engine, FirstPlotStartNeedsARadarThatIsUp) {
@@ -338,8 +333,8 @@ TEST(Engine, ShareOfLooksWithAPlotIsTheDetectionProbability) {
     EXPECT_EQ(engine.tracks()[0].status, seen ? TrackStatus::kConfirmed : TrackStatus::kCoasting);
   }
   EXPECT_EQ(engine.counts().looks[0], static_cast<std::uint64_t>(looks));
-  EXPECT_NEAR(static_cast<double>(engine.counts().detections[0]), 0.8 * looks,
-              kSigmas * std::sqrt(0.16 * looks));
+  const auto detections = static_cast<double>(engine.counts().detections[0]);
+  EXPECT_TRUE(statistics::binomial_band(looks, 0.8).contains(detections)) << detections;
 }
 
 TEST(Engine, TargetOverTheRadarIsNoFailure) {
