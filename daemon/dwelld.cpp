@@ -38,7 +38,7 @@ void add_options(CLI::App& app, Flags& flags) {
   auto* config = app.add_option("--config", flags.config, "scenario in protobuf text format");
   auto* fast = app.add_flag("--fast", flags.fast, "as fast as possible instead of one scan per scan period");
   app.add_option("--scans", flags.scans, "end after so many scans")->check(CLI::PositiveNumber);
-  auto* seed = app.add_option("--seed", flags.seed, "instead of the config's");
+  auto* seed = app.add_option("--seed", flags.seed, "instead of the config's")->check(CLI::NonNegativeNumber);
   app.add_option("--wait-subscribers", flags.wait_subscribers, "hold the first scan until so many subscriptions are there")
       ->check(CLI::NonNegativeNumber);
   auto* check = app.add_flag("--check-config", flags.check_config, "print the effective config and end");
@@ -83,6 +83,7 @@ Plan plan_replay(const Flags& flags) {
   plan.options.replay = std::move(journal.requests);
   plan.options.scans = flags.scans;
   if (!flags.scans && journal.end) plan.options.scans = journal.end->scan();
+  if (journal.end && plan.options.scans == journal.end->scan()) plan.options.end_reason = journal.end->reason();
   if (!plan.options.scans) {
     throw InvalidInput(flags.replay, {{"end", "", "is missing, the run was cut off: say how many --scans to repeat"}});
   }

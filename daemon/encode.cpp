@@ -49,11 +49,10 @@ void encode(const Track& track, v1::Track& message) {
   if (track.nis) message.set_nis(*track.nis);
 }
 
-void encode(const ScanReport& report, std::string_view policy, std::span<const Track> tracks,
-            v1::ScanReport& message) {
+void encode(const ScanReport& report, std::span<const Track> tracks, v1::ScanReport& message) {
   message.Clear();
   message.set_scan(report.scan);
-  message.set_policy(std::string(policy));
+  message.set_policy(report.policy);
   for (const Candidate& candidate : report.decision.candidates) {
     v1::Candidate& out = *message.add_candidate();
     out.set_radar(number_of(candidate.pair.sensor));

@@ -9,8 +9,7 @@ namespace dwell {
 /// Engine state into wire messages. Each clears its message first and keeps its memory.
 
 void encode(const Track& track, v1::Track& message);
-void encode(const ScanReport& report, std::string_view policy, std::span<const Track> tracks,
-            v1::ScanReport& message);
+void encode(const ScanReport& report, std::span<const Track> tracks, v1::ScanReport& message);
 /// Plot `plot` of look `look` of the report.
 void encode(const ScanReport& report, const LookReport& look, std::size_t plot, const Sensor& sensor,
             v1::Plot& message);

@@ -1,6 +1,7 @@
 #include "daemon/engine.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -18,6 +19,14 @@ DiscreteBank bank_of(const EngineConfig& config) {
   auto bank = discretise(config.bank, to_seconds(config.scan_period));
   DWELL_ASSERT(bank.has_value());  // the config reader has refused the others
   return std::move(*bank);
+}
+
+/// Room for the plots of a look: every target, and more false alarms than a Poisson count of that mean has once in 1e20.
+std::size_t most_plots(const Sensor& sensor, std::size_t targets) {
+  if (sensor.clutter_density() <= 0.0) return targets;
+  const Vector2 half = sensor.footprint_half_extent();
+  const double mean = sensor.clutter_density() * 4.0 * half[0] * half[1];
+  return targets + static_cast<std::size_t>(mean + 10.0 * std::sqrt(mean) + 20.0);
 }
 
 }  // namespace
@@ -55,6 +64,10 @@ Engine::Engine(const EngineConfig& config)
     usage_cost_.push_back(sensor.usage_cost);
     sensor_up_.push_back(sensor.up);
   }
+  std::size_t most = 0;
+  for (const Sensor* sensor : sensor_views_) most = std::max(most, most_plots(*sensor, config_.targets.size()));
+  look_plots_.reserve(most);
+  report_.plots.reserve(most * static_cast<std::size_t>(config_.looks_per_scan));
   counts_.looks.resize(sensors_.size());
   counts_.detections.resize(sensors_.size());
   for (const TargetConfig& target : config_.targets) {
@@ -148,7 +161,7 @@ std::optional<Gaussian> Engine::first_belief(std::size_t target) {
     const Dwell dwell{RadarId{static_cast<std::uint32_t>(i + 1)}, TrackId{}, report_.time, *truth.state};
     if (!sensor_up_[i]) continue;
     const TargetTruth alone{truth.id, *truth.state};
-    simulate_look(*sensors_[i], dwell, std::span(&alone, 1), stream.fork(sensor_views_.size() + i), look_plots_);
+    simulate_look(*sensors_[i], dwell, std::span(&alone, 1), stream.fork(i), look_plots_);
     for (const Plot& plot : look_plots_) {
       if (plot.source) return Tracker::belief_from(plot, *sensors_[i], first_plot.speed_sigma_mps);
     }
@@ -180,6 +193,7 @@ void Engine::choose() {
   const Situation situation{report_.time, config_.looks_per_scan, config_.tracker.update,
                             sensor_views_, usage_cost_, tracks_, feasible_};
   policy_->decide(situation, report_.decision);
+  report_.policy = policy_->name();
   report_.looks.clear();
   report_.plots.clear();
 }

@@ -33,6 +33,7 @@ struct TruthReport {
 struct ScanReport {
   std::uint64_t scan = 0;  ///< from 1
   TimePoint time;
+  std::string policy;  ///< that decided it
   Decision decision;
   std::vector<LookReport> looks;
   std::vector<Plot> plots;

@@ -71,6 +71,8 @@ struct TargetConfig {
   std::variant<CuedStart, FirstPlotStart> track_start;
 };
 
+inline constexpr const char* kDefaultBank = "cruise_and_turn";
+
 /// Everything that defines a run.
 struct EngineConfig {
   Duration scan_period = std::chrono::seconds(1);
@@ -78,7 +80,7 @@ struct EngineConfig {
   int looks_per_scan = 1;
   std::vector<SensorConfig> sensors;
   std::vector<TargetConfig> targets;
-  ModeBank bank = *named_bank("cruise_and_turn");
+  ModeBank bank = *named_bank(kDefaultBank);
   TrackerSettings tracker;
   /// Simulation only: the truth farther than this (squared distance, 2 degrees of freedom) from the prediction at 5
   /// consecutive detected looks loses the track. 9: a matched track is there at 1.1 % of its looks.

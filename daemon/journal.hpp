@@ -11,7 +11,8 @@ namespace dwell {
 
 /// Writes what is needed to repeat a run: its config, and each request that changed it with its scan.
 ///
-/// Records are on the disk (fdatasync) before the call returns.
+/// A record is its length (varint), the bytes of a JournalRecord, and the CRC-32 of both (4 bytes, least significant
+/// first). It is on the disk (fdatasync) before the call returns.
 class JournalWriter {
  public:
   /// Creates the file; an existing one is refused. Errors: std::system_error.
@@ -34,7 +35,8 @@ struct Journal {
   std::optional<v1::JournalEnd> end;         ///< empty where the run was cut off
 };
 
-/// Errors   InvalidInput: unreadable, no header, another version, a damaged record (with its byte offset).
+/// Errors   InvalidInput: unreadable, no header, another version, a record that is damaged, cut off or out of place
+///          (with its byte offset).
 Journal read_journal(const std::filesystem::path& file);
 
 }  // namespace dwell

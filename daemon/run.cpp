@@ -43,10 +43,10 @@ bool is_query(v1::Request::BodyCase body) {
 std::vector<Violation> check_names(const v1::Request& request) {
   std::vector<Violation> violations;
   if (request.id().empty() || request.id().size() > kLongestName) {
-    violations.push_back({"id", request.id().substr(0, 80), "must be 1 to 64 characters"});
+    violations.push_back({"id", shortened(request.id(), 80), "must be 1 to 64 bytes"});
   }
   if (request.client().size() > kLongestName) {
-    violations.push_back({"client", request.client().substr(0, 80), "must be at most 64 characters"});
+    violations.push_back({"client", shortened(request.client(), 80), "must be at most 64 bytes"});
   }
   return violations;
 }
@@ -74,7 +74,7 @@ void Run::scan() {
       stream_.publish(Topic::kPlot, report.time);
     }
   }
-  encode(report, engine_.policy_name(), engine_.tracks(), *stream_.envelope(Topic::kScan).mutable_scan_report());
+  encode(report, engine_.tracks(), *stream_.envelope(Topic::kScan).mutable_scan_report());
   stream_.publish(Topic::kScan, report.time);
 }
 
@@ -86,7 +86,7 @@ v1::Reply Run::handle(const v1::Request& request) {
 
 v1::Reply Run::answer(const v1::Request& request) {
   v1::Reply reply;
-  reply.set_id(request.id().substr(0, kLongestName));
+  reply.set_id(shortened(request.id(), kLongestName));
   if (const auto violations = check_names(request); !violations.empty()) {
     refuse(reply, v1::Refused::INVALID, violations);
   } else if (has_unknown_fields(request)) {
@@ -163,7 +163,7 @@ void Run::set_radar(const v1::Request& request, v1::Reply& reply) {
   if (found == sensors.end()) {
     std::string names;
     for (const SensorConfig& sensor : sensors) names += (names.empty() ? "" : ", ") + sensor.name;
-    return refuse(reply, v1::Refused::INVALID, {{"set_radar.name", name.substr(0, 80), "must be one of: " + names}});
+    return refuse(reply, v1::Refused::INVALID, {{"set_radar.name", shortened(name, 80), "must be one of: " + names}});
   }
   if (!record(request, reply)) return;
   const auto index = static_cast<std::size_t>(found - sensors.begin());
@@ -316,9 +316,7 @@ void Run::fill_snapshot(v1::Snapshot& snapshot) const {
   for (std::size_t i = 0; i < engine_.sensors().size(); ++i) encode_radar(engine_, i, *snapshot.add_radar());
   for (const Mode& mode : engine_.config().bank.modes) snapshot.add_mode_name(mode.name);
   for (const Track& track : engine_.tracks()) encode(track, *snapshot.add_track());
-  if (scans() > 0) {
-    encode(engine_.last(), engine_.policy_name(), engine_.tracks(), *snapshot.mutable_last_scan());
-  }
+  if (scans() > 0) encode(engine_.last(), engine_.tracks(), *snapshot.mutable_last_scan());
   snapshot.set_scan_period_s(to_seconds(engine_.config().scan_period));
 }
 

@@ -119,7 +119,8 @@ void Service::publish_status() {
 /// Until the next scan or status is due, or somebody wants something.
 void Service::wait() {
   const bool scanning = subscribers_came_ && !run_.paused();
-  if (run_.steps() > 0 || (options_.fast && scanning)) return;
+  if (subscribers_came_ && run_.steps() > 0) return;
+  if (options_.fast && scanning) return;
   Clock::time_point until = options_.fast ? Clock::now() + kStatusPeriod : next_status_;
   if (scanning) until = std::min(until, next_scan_);
   const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now());
@@ -153,7 +154,10 @@ std::optional<std::string> Service::reason_to_end() {
     return signal.ssi_signo == SIGINT ? "interrupted" : "terminated";
   }
   if (run_.stop_requested()) return run_.stop_reason();
-  if (options_.scans && run_.scans() >= *options_.scans) return "all scans done";
+  if (options_.scans && run_.scans() >= *options_.scans) {
+    apply_replay();  // what was asked for after the last scan
+    return options_.end_reason;
+  }
   return std::nullopt;
 }
 

@@ -15,6 +15,7 @@ struct ServiceOptions {
   int wait_subscribers = 0;              ///< before the first scan
   std::vector<v1::JournalRequest> replay;  ///< to apply before their scans
   bool replaying = false;
+  std::string end_reason = "all scans done";  ///< after `scans`
 };
 
 /// The loop that meets the world: wall clock, sockets and signals around a Run. One thread.

@@ -57,7 +57,8 @@ class JumpMarkovTrajectory final : public Trajectory {
   TimePoint now_;
 };
 
-/// An index drawn with the given probabilities (summing to one).
-int draw_index(const Eigen::Ref<const Eigen::RowVectorXd>& probability, RandomStream& stream);
+/// An index drawn with the given probabilities (summing to one). Takes a row of a matrix without copying it.
+int draw_index(const Eigen::Ref<const Eigen::RowVectorXd, 0, Eigen::InnerStride<>>& probability,
+               RandomStream& stream);
 
 }  // namespace dwell

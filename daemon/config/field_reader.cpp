@@ -27,10 +27,16 @@ std::string enum_names(const google::protobuf::EnumDescriptor& type) {
 
 std::string number_text(double value) { return fmt::format("{:.15g}", value); }
 
-Range positive() { return {0.0, kLargest, false, true}; }
+std::string shortened(const std::string& text, std::size_t most) {
+  const auto continues = [&](std::size_t place) { return (static_cast<unsigned char>(text[place]) & 0xC0U) == 0x80U; };
+  if (text.size() > most) {
+    while (most > 0 && continues(most)) --most;
+  }
+  return text.substr(0, most);
+}
+
 Range positive_or_infinite() { return {0.0, kInfinity, false, true}; }
 Range non_negative() { return {0.0, kLargest}; }
-Range any_number() { return {-kLargest, kLargest}; }
 Range within(double low, double high) { return {low, high}; }
 Range above(double low, double high) { return {low, high, false, true}; }
 Range between(double low, double high) { return {low, high, false, false}; }
@@ -43,7 +49,6 @@ bool Range::contains(double value) const {
 
 std::string Range::rule() const {
   const std::string finite = high == kLargest ? " and finite" : "";
-  if (low == -kLargest) return "must be a finite number";
   if (high >= kLargest) return fmt::format("must be {} {}{}", low_included ? ">=" : ">", number_text(low), finite);
   return fmt::format("must be in {}{}, {}{}", low_included ? '[' : '(', number_text(low), number_text(high),
                      high_included ? ']' : ')');
@@ -72,6 +77,7 @@ FieldReader FieldReader::child(const char* name) {
                      locations_ == nullptr ? nullptr : locations_->GetTreeForNested(field(name), -1),
                      *violations_);
   reader.prefix_ = prefix_ + name + ".";
+  reader.place_ = place_of(field(name), -1);
   return reader;
 }
 
@@ -80,6 +86,7 @@ FieldReader FieldReader::element(const char* name, int index) {
                      locations_ == nullptr ? nullptr : locations_->GetTreeForNested(field(name), index),
                      *violations_);
   reader.prefix_ = fmt::format("{}{}[{}].", prefix_, name, index + 1);
+  reader.place_ = place_of(field(name), index);
   return reader;
 }
 
@@ -89,7 +96,9 @@ void FieldReader::number(const char* name, const Range& range, double unit, doub
   if (!has(name)) {
     // A default of a oneof is no choice of it: absent stays absent there.
     if (field(name)->real_containing_oneof() == nullptr) {
-      reflection->SetDouble(message_, field(name), rounded(target / unit));
+      const double written = rounded(target / unit);
+      reflection->SetDouble(message_, field(name), written);
+      target = written * unit;
     }
   } else if (const double value = reflection->GetDouble(*message_, field(name)); range.contains(value)) {
     target = value * unit;
@@ -101,26 +110,35 @@ void FieldReader::number(const char* name, const Range& range, double unit, doub
 
 void FieldReader::decibel(const char* name, const Range& range, double& target) {
   double value_db = 10.0 * std::log10(target);
-  const bool was_there = has(name);
   number(name, range, 1.0, value_db);
-  if (was_there) target = std::pow(10.0, value_db / 10.0);
+  target = std::pow(10.0, value_db / 10.0);
 }
 
 std::vector<double> FieldReader::numbers(const char* name, const Range& range, std::initializer_list<int> sizes) {
   std::vector<double> values;
   const int size = count(name);
+  bool all_good = true;
   for (int i = 0; i < size; ++i) {
     const double value = message_->GetReflection()->GetRepeatedDouble(*message_, field(name), i);
-    if (!range.contains(value)) refuse_at(field(name), i, number_text(value), range.rule());
+    if (!range.contains(value)) {
+      refuse_at(field(name), i, number_text(value), range.rule());
+      all_good = false;
+    }
     values.push_back(value);
   }
   if (size > 0 && sizes.size() > 0 && std::find(sizes.begin(), sizes.end(), size) == sizes.end()) {
     std::string wanted;
     for (const int good : sizes) wanted += (wanted.empty() ? "" : " or ") + std::to_string(good);
     refuse_at(field(name), 0, fmt::format("{} values", size), "must have " + wanted + " values");
-    values.clear();
+    all_good = false;
   }
+  if (!all_good) values.clear();
   return values;
+}
+
+void FieldReader::fill_in(const char* name, std::span<const double> values) {
+  if (count(name) > 0) return;
+  for (const double value : values) message_->GetReflection()->AddDouble(message_, field(name), value);
 }
 
 void FieldReader::integer(const char* name, int low, int high, int& target) {
@@ -192,7 +210,7 @@ void FieldReader::refuse(const char* name, const std::string& value, const std::
 std::string FieldReader::path(const char* name) const { return prefix_ + name; }
 
 std::string FieldReader::value(const char* name) const {
-  if (!has(name)) return "";
+  if (!has(name) || field(name)->cpp_type() == Field::CPPTYPE_MESSAGE) return "";
   std::string text;
   google::protobuf::TextFormat::PrintFieldValueToString(*message_, field(name), -1, &text);
   return text;
@@ -203,13 +221,16 @@ void FieldReader::describe(const Field* field, const std::string& rule) {
 }
 
 void FieldReader::refuse_at(const Field* field, int index, const std::string& value, const std::string& rule) {
-  Violation violation{prefix_ + field->name(), value, rule, 0, 0};
-  if (locations_ != nullptr) {
-    const auto location = locations_->GetLocation(field, index);
-    violation.line = location.line + 1;
-    violation.column = location.column + 1;
-  }
-  violations_->push_back(std::move(violation));
+  const auto place = place_of(field, index);
+  violations_->push_back({prefix_ + field->name(), value, rule, place.line + 1, place.column + 1});
+}
+
+/// Of a list in brackets the parser knows one place, that of its first element.
+google::protobuf::TextFormat::ParseLocation FieldReader::place_of(const Field* field, int index) const {
+  if (locations_ == nullptr) return place_;
+  auto place = locations_->GetLocation(field, index);
+  if (place.line < 0 && index > 0) place = locations_->GetLocation(field, 0);
+  return place.line < 0 ? place_ : place;
 }
 
 }  // namespace dwell

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -22,10 +23,8 @@ struct Range {
   std::string rule() const;
 };
 
-Range positive();                        ///< finite, > 0
 Range positive_or_infinite();            ///< > 0
 Range non_negative();                    ///< finite, >= 0
-Range any_number();                      ///< finite
 Range within(double low, double high);   ///< ends included
 Range above(double low, double high);    ///< low excluded, high included
 Range between(double low, double high);  ///< ends excluded
@@ -40,8 +39,10 @@ struct FieldDescription {
 /// Reads the fields of one message into domain variables, by name, checking each against its rule.
 ///
 /// A field that is present and good is converted into the target; one that is bad leaves the target alone and becomes
-/// a violation; one that is absent is filled with the target's value, so that afterwards the message is the effective
-/// configuration. Lines and columns come from the parser's location tree where there is one.
+/// a violation; one that is absent is filled with the target's value, to 15 digits, and the target with what stands
+/// there: afterwards the message is the effective configuration, and reading it again gives the same bits.
+/// Lines and columns come from the parser's location tree where there is one; of a field that is absent they are those
+/// of its message.
 class FieldReader {
  public:
   using Locations = google::protobuf::TextFormat::ParseInfoTree;
@@ -59,8 +60,10 @@ class FieldReader {
   void number(const char* field, const Range& range, double unit, double& target);
   /// target = 10^(value / 10).
   void decibel(const char* field, const Range& range, double& target);
-  /// The values of a list that is absent (then empty) or has one of the given sizes (none given: any).
+  /// The values of a list that has one of the given sizes (none given: any); empty where it is absent or refused.
   std::vector<double> numbers(const char* field, const Range& range, std::initializer_list<int> sizes);
+  /// Writes out the default of a list that is absent.
+  void fill_in(const char* field, std::span<const double> values);
   void integer(const char* field, int low, int high, int& target);
   void flag(const char* field, bool& target);
   /// At most 200 characters.
@@ -76,7 +79,7 @@ class FieldReader {
   /// A rule over more than one field.
   void refuse(const char* field, const std::string& value, const std::string& rule);
   std::string path(const char* field) const;
-  /// The value as the text format writes it; empty where absent.
+  /// The value as the text format writes it; empty where absent, and of a message.
   std::string value(const char* field) const;
 
   /// From now on also notes each field that is read.
@@ -87,16 +90,21 @@ class FieldReader {
   const Field* field(const char* name) const;
   int enum_number(const char* name, int fallback);
   void describe(const Field* field, const std::string& rule);
+  google::protobuf::TextFormat::ParseLocation place_of(const Field* field, int index) const;
   void refuse_at(const Field* field, int index, const std::string& value, const std::string& rule);
 
   google::protobuf::Message* message_;
   const Locations* locations_;
   std::vector<Violation>* violations_;
   std::string prefix_;  // path of the message, with its dot
+  google::protobuf::TextFormat::ParseLocation place_;  // of the message; from 0, -1 unknown
   std::vector<FieldDescription>* descriptions_ = nullptr;
 };
 
 /// The value as the text format prints it, at most 15 significant digits.
 std::string number_text(double value);
+
+/// The first `most` bytes, or up to 3 less: UTF-8 is not cut inside a character.
+std::string shortened(const std::string& text, std::size_t most);
 
 }  // namespace dwell

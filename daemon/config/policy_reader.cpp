@@ -26,7 +26,7 @@ PolicySettings read(FieldReader /*in*/, LargestVarianceSettings settings, int /*
 
 PolicySettings read(FieldReader in, SaImmSettings settings, int /*sensors*/) {
   in.choice("cost", settings.cost);
-  in.number("beta", non_negative(), 1.0, settings.beta);
+  in.number("beta", within(0.0, 1e12), 1.0, settings.beta);
   in.integer("nodes", 2, 32, settings.nodes);
   return settings;
 }
@@ -162,7 +162,7 @@ std::optional<v1::Policy> parse_policy_text(std::string_view text, std::vector<V
   const FieldDescriptor* kind = v1::Policy::descriptor()->FindFieldByName(name);
   if (kind == nullptr) {
     violations.push_back(
-        {"policy", name.substr(0, 80), "must be one of: " + field_names(*v1::Policy::descriptor())});
+        {"policy", shortened(name, 80), "must be one of: " + field_names(*v1::Policy::descriptor())});
     return std::nullopt;
   }
   v1::Policy policy;
@@ -173,10 +173,12 @@ std::optional<v1::Policy> parse_policy_text(std::string_view text, std::vector<V
     const std::string value(equals == std::string_view::npos ? "" : parts[i].substr(equals + 1));
     const FieldDescriptor* field = kind->message_type()->FindFieldByName(key);
     if (field == nullptr) {
-      violations.push_back({name + "." + key.substr(0, 80), value.substr(0, 80),
+      violations.push_back({name + "." + shortened(key, 80), shortened(value, 80),
                             "unknown parameter; known: " + field_names(*kind->message_type())});
+    } else if (message.GetReflection()->HasField(message, field)) {
+      violations.push_back({name + "." + key, shortened(value, 80), "is given twice"});
     } else if (!set_parameter(message, *field, value)) {
-      violations.push_back({name + "." + key, value.substr(0, 80), type_rule(*field)});
+      violations.push_back({name + "." + key, shortened(value, 80), type_rule(*field)});
     }
   }
   return policy;

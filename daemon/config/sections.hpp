@@ -41,6 +41,14 @@ class RecordingShelf {
 TargetConfig read_target(FieldReader in, const EngineConfig& config, RecordingShelf& shelf,
                          std::vector<Violation>& violations);
 
+/// What a number may be, far beyond anything that flies or looks: more is a mistake in the units, and the squares and
+/// products of a run could overflow.
+inline Range place_m() { return within(-1e9, 1e9); }  // the Moon is nearer
+inline Range length_m() { return above(0.0, 1e9); }
+inline Range speed_mps() { return within(-1e6, 1e6); }
+inline Range variance() { return within(-1e18, 1e18); }  // elements of a covariance: the square of a length
+inline Range cost() { return within(0.0, 1e12); }
+
 /// Whether a time is a whole number of scan periods.
 bool is_multiple(Duration time, Duration scan_period);
 

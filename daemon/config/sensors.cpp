@@ -9,13 +9,13 @@ SensorConfig read_radar(FieldReader in) {
   RadarFigures figures;
   in.required("name");
   in.text("name", sensor.name);
-  in.number("x_m", any_number(), 1.0, figures.position_m.x());
-  in.number("y_m", any_number(), 1.0, figures.position_m.y());
+  in.number("x_m", place_m(), 1.0, figures.position_m.x());
+  in.number("y_m", place_m(), 1.0, figures.position_m.y());
   in.number("beamwidth_deg", above(0.0, 90.0), kDegree, figures.beamwidth_rad);
-  in.number("pulse_length_s", positive(), 1.0, figures.pulse_length_s);
+  in.number("pulse_length_s", above(0.0, 1.0), 1.0, figures.pulse_length_s);
   in.decibel("snr_reference_db", within(-30.0, 120.0), figures.snr_reference);
-  in.number("reference_range_m", positive(), 1.0, figures.reference_range_m);
-  in.number("range_noise_floor_m", non_negative(), 1.0, figures.range_noise_floor_m);
+  in.number("reference_range_m", length_m(), 1.0, figures.reference_range_m);
+  in.number("range_noise_floor_m", within(0.0, 1e9), 1.0, figures.range_noise_floor_m);
   in.number("azimuth_noise_floor_deg", within(0.0, 90.0), kDegree, figures.azimuth_noise_floor_rad);
   if (in.has("false_alarm_probability")) {
     SwerlingOneDetection detection;
@@ -32,8 +32,8 @@ SensorConfig read_radar(FieldReader in) {
   in.number("clutter_density", non_negative(), 1.0, figures.clutter_density);
   figures.dwell_azimuth_rad = 3.0 * figures.beamwidth_rad;
   in.number("dwell_azimuth_deg", above(0.0, 180.0), kDegree, figures.dwell_azimuth_rad);
-  in.number("dwell_range_m", positive(), 1.0, figures.dwell_range_m);
-  in.number("usage_cost", non_negative(), 1.0, sensor.usage_cost);
+  in.number("dwell_range_m", length_m(), 1.0, figures.dwell_range_m);
+  in.number("usage_cost", cost(), 1.0, sensor.usage_cost);
   bool down = false;
   in.flag("down", down);
   sensor.up = !down;
@@ -52,8 +52,8 @@ SensorConfig read_linear_sensor(FieldReader in) {
   LinearFigures figures;
   in.required("name");
   in.text("name", sensor.name);
-  const std::vector<double> c = in.numbers("c", any_number(), {8});
-  const std::vector<double> r = in.numbers("r", any_number(), {4});
+  const std::vector<double> c = in.numbers("c", within(-1e6, 1e6), {8});
+  const std::vector<double> r = in.numbers("r", variance(), {4});
   if (in.count("c") == 0) in.refuse("c", "", "is required: 2 x 4 values, row-major");
   if (in.count("r") == 0) in.refuse("r", "", "is required: 2 x 2 values, row-major");
   if (c.size() == 8) figures.c = row_major<MeasurementJacobian>(c, 2, kStateSize);
@@ -62,7 +62,7 @@ SensorConfig read_linear_sensor(FieldReader in) {
     if (!is_covariance(figures.r)) in.refuse("r", "", "must be symmetric and positive definite");
   }
   in.number("detection_probability", above(0.0, 1.0), 1.0, figures.detection_probability);
-  in.number("usage_cost", non_negative(), 1.0, sensor.usage_cost);
+  in.number("usage_cost", cost(), 1.0, sensor.usage_cost);
   bool down = false;
   in.flag("down", down);
   sensor.up = !down;

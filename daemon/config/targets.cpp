@@ -19,10 +19,10 @@ StateMatrix root_of(const StateMatrix& q) {
 State read_state(FieldReader& in) {
   Vector2 place = Vector2::Zero();
   Vector2 speed = Vector2::Zero();
-  in.number("x_m", any_number(), 1.0, place.x());
-  in.number("y_m", any_number(), 1.0, place.y());
-  in.number("vx_mps", any_number(), 1.0, speed.x());
-  in.number("vy_mps", any_number(), 1.0, speed.y());
+  in.number("x_m", place_m(), 1.0, place.x());
+  in.number("y_m", place_m(), 1.0, place.y());
+  in.number("vx_mps", speed_mps(), 1.0, speed.x());
+  in.number("vy_mps", speed_mps(), 1.0, speed.y());
   return make_state(place, speed);
 }
 
@@ -49,10 +49,10 @@ Leg read_leg(FieldReader in) {
   in.required("duration_s");
   leg.start = kStreamStart + read_time(in, "start_s", within(0.0, kLongestRun_s));
   leg.end = leg.start + read_time(in, "duration_s", above(0.0, kLongestRun_s));
-  in.number("ax_mps2", any_number(), 1.0, leg.acceleration_mps2.x());
-  in.number("ay_mps2", any_number(), 1.0, leg.acceleration_mps2.y());
+  in.number("ax_mps2", within(-1e5, 1e5), 1.0, leg.acceleration_mps2.x());
+  in.number("ay_mps2", within(-1e5, 1e5), 1.0, leg.acceleration_mps2.y());
   in.number("turn_rate_dps", within(-360.0, 360.0), kDegree, leg.turn_rate_radps);
-  in.number("process_noise_scale", non_negative(), 1.0, leg.process_noise_scale);
+  in.number("process_noise_scale", within(0.0, 1e6), 1.0, leg.process_noise_scale);
   if (leg.turn_rate_radps != 0.0 && !leg.acceleration_mps2.isZero(0.0)) {
     in.refuse("turn_rate_dps", in.value("turn_rate_dps"), "must not stand with an acceleration");
   }
@@ -62,7 +62,7 @@ Leg read_leg(FieldReader in) {
 ScriptedMotion read_script(FieldReader& in, Duration scan_period) {
   ScriptedMotion motion;
   motion.initial = read_state(in);
-  in.number("altitude_m", any_number(), 1.0, motion.altitude_m);
+  in.number("altitude_m", place_m(), 1.0, motion.altitude_m);
   for (int i = 0; i < in.count("leg"); ++i) {
     motion.legs.push_back(read_leg(in.element("leg", i)));
     if (i > 0 && motion.legs[i].start < motion.legs[i - 1].end) {
@@ -79,10 +79,10 @@ ScriptedMotion read_script(FieldReader& in, Duration scan_period) {
 
 Area read_area(FieldReader in) {
   Area area{Vector2::Zero(), 1.0, 3.0 * kDegree};  // a standard-rate turn
-  in.number("centre_x_m", any_number(), 1.0, area.centre_m.x());
-  in.number("centre_y_m", any_number(), 1.0, area.centre_m.y());
+  in.number("centre_x_m", place_m(), 1.0, area.centre_m.x());
+  in.number("centre_y_m", place_m(), 1.0, area.centre_m.y());
   in.required("radius_m");
-  if (in.has("radius_m")) in.number("radius_m", positive(), 1.0, area.radius_m);
+  if (in.has("radius_m")) in.number("radius_m", length_m(), 1.0, area.radius_m);
   in.number("turn_rate_dps", above(0.0, 360.0), kDegree, area.turn_rate_radps);
   return area;
 }
@@ -90,7 +90,7 @@ Area read_area(FieldReader in) {
 JumpMarkovMotion read_jump_markov(FieldReader& in, const EngineConfig& config) {
   JumpMarkovMotion motion;
   motion.initial = read_state(in);
-  in.number("altitude_m", any_number(), 1.0, motion.altitude_m);
+  in.number("altitude_m", place_m(), 1.0, motion.altitude_m);
   FieldReader jump = in.child("jump_markov");
   const ModeBank bank =
       jump.has("bank") ? read_bank(jump.child("bank"), config.scan_period, config.bank) : config.bank;
@@ -155,8 +155,8 @@ RecordedMotion read_recorded(FieldReader in, const EngineConfig& config, Recordi
   in.text("file", file);
   const Duration begin = read_time(in, "begin_s", within(0.0, kLongestRun_s));
   read_start_time(in, config.scan_period, target);
-  in.number("east_m", any_number(), 1.0, motion.offset_m.x());
-  in.number("north_m", any_number(), 1.0, motion.offset_m.y());
+  in.number("east_m", place_m(), 1.0, motion.offset_m.x());
+  in.number("north_m", place_m(), 1.0, motion.offset_m.y());
   in.flag("repeat", motion.repeat);
   if (file.empty()) return motion;
   std::vector<Violation> problems;
@@ -180,14 +180,16 @@ std::variant<CuedStart, FirstPlotStart> read_track_start(FieldReader in) {
   if (in.has("first_plot")) {
     FirstPlotStart start;
     if (in.count("covariance") > 0) in.refuse("covariance", "", "must not stand with first_plot");
-    in.child("first_plot").number("speed_sigma_mps", positive(), 1.0, start.speed_sigma_mps);
+    in.child("first_plot").number("speed_sigma_mps", above(0.0, 1e6), 1.0, start.speed_sigma_mps);
     return start;
   }
   CuedStart start;
-  const auto values = in.numbers("covariance", any_number(), {kStateSize, kStateSize * kStateSize});
+  const auto values = in.numbers("covariance", variance(), {kStateSize, kStateSize * kStateSize});
   if (values.size() == kStateSize) start.covariance = row_major<State>(values, kStateSize, 1).asDiagonal();
   if (values.size() > kStateSize) start.covariance = row_major<StateMatrix>(values, kStateSize, kStateSize);
   if (!is_covariance(start.covariance)) in.refuse("covariance", "", "must be symmetric and positive definite");
+  const State variances = start.covariance.diagonal();
+  in.fill_in("covariance", std::span(variances.data(), kStateSize));
   return start;
 }
 
@@ -255,8 +257,8 @@ TargetConfig read_target(FieldReader in, const EngineConfig& config, RecordingSh
       target.motion = read_script(in, config.scan_period);
     }
   }
-  in.number("weight", positive(), 1.0, target.weight);
-  if (in.has("start")) target.track_start = read_track_start(in.child("start"));
+  in.number("weight", above(0.0, 1e9), 1.0, target.weight);
+  target.track_start = read_track_start(in.child("start"));
   return target;
 }
 

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "daemon/config/sections.hpp"
@@ -13,7 +14,7 @@ Mode read_mode(FieldReader in, Duration scan_period) {
   in.text("name", mode.name);
   if (in.has("coordinated_turn")) {
     FieldReader turn = in.child("coordinated_turn");
-    double rate_radps = 0.0;
+    double rate_radps = 1.0;  // replaced, or the bank is refused
     turn.required("turn_rate_dps");
     turn.number("turn_rate_dps", within(-360.0, 360.0), kDegree, rate_radps);
     if (rate_radps == 0.0) {
@@ -63,7 +64,7 @@ ModeBank read_modes(FieldReader& in, Duration scan_period) {
     check_probabilities(in, "initial_probability", bank.initial_probability.transpose());
     bank.initial_probability /= bank.initial_probability.sum();
   }
-  in.number("transition_interval_s", positive(), 1.0, bank.transition_interval_s);
+  in.number("transition_interval_s", within(1e-3, 1e6), 1.0, bank.transition_interval_s);
   return bank;
 }
 
@@ -75,20 +76,20 @@ ProcessNoise read_process_noise(FieldReader in, Duration scan_period) {
   if (continuous && in.has("step_s")) {
     in.refuse("step_s", in.value("step_s"), "must not stand with white_noise_acceleration, which has no steps");
   } else if (!continuous) {
-    in.number("step_s", positive(), 1.0, step_s);
+    in.number("step_s", within(1e-3, 3600.0), 1.0, step_s);
   }
   ProcessNoise noise = NoProcessNoise{};
   if (continuous) {
     WhiteNoiseAcceleration form{0.0};
-    in.number("white_noise_acceleration", non_negative(), 1.0, form.q);
+    in.number("white_noise_acceleration", within(0.0, 1e12), 1.0, form.q);
     noise = form;
   } else if (in.has("piecewise_acceleration")) {
     PiecewiseAcceleration form{0.0, step_s};
-    in.number("piecewise_acceleration", non_negative(), 1.0, form.sigma_mps2);
+    in.number("piecewise_acceleration", within(0.0, 1e6), 1.0, form.sigma_mps2);
     noise = form;
   } else if (in.has("diagonal")) {
     FieldReader diagonal = in.child("diagonal");
-    const auto b = diagonal.numbers("b", non_negative(), {kStateSize});
+    const auto b = diagonal.numbers("b", within(0.0, 1e6), {kStateSize});
     if (diagonal.count("b") == 0) diagonal.refuse("b", "", "is required: 4 values");
     if (!b.empty()) noise = DiagonalNoise{row_major<State>(b, kStateSize, 1), step_s};
   } else {
@@ -105,6 +106,9 @@ ProcessNoise read_process_noise(FieldReader in, Duration scan_period) {
 ModeBank read_bank(FieldReader in, Duration scan_period, const ModeBank& fallback) {
   ModeBank bank = fallback;
   const bool spelled_out = in.count("mode") > 0;
+  const std::initializer_list<const char*> rest{"mode", "transition", "initial_probability"};
+  const bool has_rest = in.has("transition_interval_s") ||
+                        std::any_of(rest.begin(), rest.end(), [&](const char* field) { return in.count(field) > 0; });
   if (in.has("name")) {
     std::string name;
     in.text("name", name);
@@ -113,9 +117,11 @@ ModeBank read_bank(FieldReader in, Duration scan_period, const ModeBank& fallbac
     } else if (!name.empty()) {
       in.refuse("name", in.value("name"), "must be one of: " + bank_names());
     }
-    if (spelled_out) in.refuse("mode", "", "must not stand with the name of a bank");
+    if (has_rest) in.refuse("name", in.value("name"), "must stand alone: the named bank has its modes and its chain");
   } else if (spelled_out) {
     bank = read_modes(in, scan_period);
+  } else if (has_rest) {
+    in.refuse("mode", "", "is required where the chain of a bank is given");
   }
   for (const Mode& mode : bank.modes) {
     if (!divides(mode.noise, to_seconds(scan_period))) {
@@ -130,7 +136,10 @@ ModeBank read_bank(FieldReader in, Duration scan_period, const ModeBank& fallbac
 }
 
 void read_tracker(FieldReader in, EngineConfig& config) {
-  if (in.has("bank")) config.bank = read_bank(in.child("bank"), config.scan_period, config.bank);
+  FieldReader bank = in.child("bank");
+  config.bank = read_bank(bank, config.scan_period, config.bank);
+  std::string default_name = kDefaultBank;
+  if (!bank.has("name") && bank.count("mode") == 0) bank.text("name", default_name);
   in.choice("update", config.tracker.update);
   in.number("gate", positive_or_infinite(), 1.0, config.tracker.gate);
   in.number("lost_probability", between(0.0, 1.0), 1.0, config.tracker.lost_probability);

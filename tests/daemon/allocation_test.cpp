@@ -1,0 +1,149 @@
+// A scan allocates nothing once its vectors have grown. Counted at malloc, under operator new and Eigen
+// alike.
+
+#include <cerrno>
+#include <cstdlib>
+
+#include <Eigen/Dense>
+
+#include "daemon/config/policy_reader.hpp"
+#include "tests/daemon/support.hpp"
+#include "tests/scale.hpp"
+
+namespace {
+
+thread_local long allocations = 0;
+
+}  // namespace
+
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define DWELL_SANITIZED_HEAP
+#endif
+#endif
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define DWELL_SANITIZED_HEAP
+#endif
+
+#ifdef DWELL_SANITIZED_HEAP
+
+extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*malloc_hook)(const volatile void*,
+                                                                             std::size_t),
+                                                         void (*free_hook)(const volatile void*));
+namespace {
+
+const int hooks_installed = __sanitizer_install_malloc_and_free_hooks(
+    [](const volatile void*, std::size_t) { ++allocations; }, [](const volatile void*) {});
+
+}  // namespace
+
+#else
+
+extern "C" {
+
+void* __libc_malloc(std::size_t size);
+void* __libc_calloc(std::size_t count, std::size_t size);
+void* __libc_realloc(void* block, std::size_t size);
+void* __libc_memalign(std::size_t alignment, std::size_t size);
+
+void* malloc(std::size_t size) {
+  ++allocations;
+  return __libc_malloc(size);
+}
+void* calloc(std::size_t count, std::size_t size) {
+  ++allocations;
+  return __libc_calloc(count, size);
+}
+void* realloc(void* block, std::size_t size) {
+  ++allocations;
+  return __libc_realloc(block, size);
+}
+void* aligned_alloc(std::size_t alignment, std::size_t size) {
+  ++allocations;
+  return __libc_memalign(alignment, size);
+}
+int posix_memalign(void** block, std::size_t alignment, std::size_t size) {
+  ++allocations;
+  *block = __libc_memalign(alignment, size);
+  return *block == nullptr ? ENOMEM : 0;
+}
+
+}  // extern "C"
+
+#endif
+
+namespace dwell::testing {
+namespace {
+
+TEST(Allocation, CounterSeesNewAndEigen) {
+  long before = allocations;
+  auto owned = std::make_unique<std::string>(100, 'x');
+  EXPECT_EQ(allocations - before, 2);
+  before = allocations;
+  const Eigen::MatrixXd matrix = Eigen::MatrixXd::Identity(5, 5);
+  EXPECT_EQ(allocations - before, 1);
+  EXPECT_EQ(matrix.trace() + static_cast<double>(owned->size()), 105.0);
+}
+
+/// 3 radars and 30 random targets that turn back at the edge of an area.
+std::string scenario(bool clutter) {
+  // A footprint that holds the target of a track gone astray, with 5 false plots on average.
+  const std::string density =
+      std::string(" dwell_range_m: 60e3 dwell_azimuth_deg: 30") + (clutter ? " clutter_density: 4e-5" : "");
+  std::string text = "radar { name: \"west\" x_m: -60e3 detection_probability: 0.9" + density +
+                     " }\n"
+                     "radar { name: \"east\" x_m: 60e3 false_alarm_probability: 1e-6" +
+                     density +
+                     " }\n"
+                     "radar { name: \"south\" y_m: -60e3 beamwidth_deg: 0.3 detection_probability: 0.95" +
+                     density + " }\n";
+  RandomStream random(5);
+  for (int i = 0; i < 30; ++i) {
+    const auto number = [&](double limit) { return std::to_string(random.uniform(-limit, limit)); };
+    text += "target { name: \"a target whose name is on the heap " + std::to_string(i) +
+            "\" x_m: " + number(40e3) + " y_m: " + number(40e3) + " vx_mps: " + number(200) +
+            " vy_mps: " + number(200) + " jump_markov { area { radius_m: 50e3 } } }\n";
+  }
+  // Nearly no track is given up: each has its part in every scan.
+  return text + "tracker { lost_probability: 1e-300 lost_squared_distance: inf }\n";
+}
+
+struct Case {
+  std::string policy;
+  bool clutter;
+  int looks;
+};
+
+std::vector<Case> cases() {
+  std::vector<Case> all;
+  for (const PolicyDescription& policy : describe_policies(3)) {
+    for (const bool clutter : {false, true}) {
+      for (const int looks : {1, 3}) all.push_back({policy.name, clutter, looks});
+    }
+  }
+  return all;
+}
+
+TEST(Allocation, ScanAllocatesNothingAfterWarmUpUnderAnyPolicy) {
+  for (const Case& c : cases()) {
+    SCOPED_TRACE(c.policy + (c.clutter ? ", clutter, " : ", no clutter, ") + std::to_string(c.looks) +
+                 " looks");
+    const DaemonConfig config = config_of(scenario(c.clutter) + "looks_per_scan: " + std::to_string(c.looks) +
+                                          " policy { " + c.policy + " {} }");
+    Engine engine(config.engine);
+    for (int i = 0; i < 200; ++i) (void)engine.scan();
+    ASSERT_EQ(engine.tracks().size(), 30);
+    long most = 0;
+    for (int i = 0; i < scaled(500); ++i) {
+      const long before = allocations;
+      (void)engine.scan();
+      most = std::max(most, allocations - before);
+    }
+    EXPECT_EQ(engine.counts().filter_failures, 0);
+    EXPECT_EQ(most, 0) << "allocations in one scan";
+    EXPECT_GE(engine.tracks().size(), 25);
+  }
+}
+
+}  // namespace
+}  // namespace dwell::testing

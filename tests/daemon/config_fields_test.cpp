@@ -1,0 +1,302 @@
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "daemon/config/policy_reader.hpp"
+#include "tests/daemon/support.hpp"
+
+namespace dwell::testing {
+namespace {
+
+/// One numeric field of the config: what it may be, and values on both sides of each limit.
+struct Row {
+  std::string field;  // Message.field of config.proto
+  std::string text;   // a config with @ for the value
+  std::string path;
+  std::string rule;
+  std::vector<std::string> bad;  // as a violation prints them
+  std::vector<std::string> good;
+};
+
+std::string radar(const std::string& fields) {
+  return "radar {\n  name: \"r\"\n  " + fields + "\n}\ntarget { name: \"t\" y_m: 50e3 }\n";
+}
+std::string linear(const std::string& fields) {
+  return "linear_sensor {\n  name: \"c\"\n  " + fields + "\n}\ntarget { name: \"t\" }\n";
+}
+std::string target(const std::string& fields) {
+  return "radar { name: \"r\" }\ntarget {\n  name: \"t\"\n  " + fields + "\n}\n";
+}
+std::string top(const std::string& fields) {
+  return "radar { name: \"r\" }\ntarget { name: \"t\" y_m: 50e3 }\n" + fields + "\n";
+}
+
+const std::vector<std::string> kNotFinite{"nan", "inf", "-inf"};
+
+std::vector<std::string> not_finite_and(std::initializer_list<const char*> more) {
+  std::vector<std::string> all = kNotFinite;
+  all.insert(all.end(), more.begin(), more.end());
+  return all;
+}
+
+const std::string kC = "c: [1, 0, 0, 0,  0, 0, 1, 0] ";
+const std::string kR = "r: [1, 0, 0, 1] ";
+const std::string kTwoModes = "tracker { bank { mode { name: \"a\" } mode { name: \"b\" } ";
+const std::string kRecording = "recording { file: \"flights/flights.csv\" id: \"belevingsvlucht\" ";
+
+// clang-format off
+const std::vector<Row> kRows{
+  {"Config.scan_period_s", top("scan_period_s: @"), "scan_period_s", "must be in [0.001, 3600]",
+   not_finite_and({"0", "-1", "0.0009", "3600.1"}), {"0.001", "0.25", "3600"}},
+  {"Config.looks_per_scan", top("looks_per_scan: @"), "looks_per_scan", "must be a whole number from 1 to 1",
+   {"0", "2", "4294967295"}, {"1"}},
+  {"Config.study_scans", top("study_scans: @"), "study_scans", "must be a whole number from 1 to 1000000",
+   {"0", "1000001", "4294967295"}, {"1", "1000000"}},
+
+  {"Radar.x_m", radar("x_m: @"), "radar[1].x_m", "must be in [-1000000000, 1000000000]",
+   not_finite_and({"1000000001", "-1000000001"}), {"-1e9", "0", "1e9"}},
+  {"Radar.y_m", radar("y_m: @"), "radar[1].y_m", "must be in [-1000000000, 1000000000]",
+   not_finite_and({"1000000001", "-1000000001"}), {"-1e9", "0", "1e9"}},
+  {"Radar.beamwidth_deg", radar("beamwidth_deg: @"), "radar[1].beamwidth_deg", "must be in (0, 90]",
+   not_finite_and({"0", "-1", "90.1"}), {"1e-12", "90"}},
+  {"Radar.pulse_length_s", radar("pulse_length_s: @"), "radar[1].pulse_length_s", "must be in (0, 1]",
+   not_finite_and({"0", "-1", "1.1"}), {"1e-15", "1"}},
+  {"Radar.snr_reference_db", radar("snr_reference_db: @"), "radar[1].snr_reference_db", "must be in [-30, 120]",
+   not_finite_and({"-30.1", "120.1"}), {"-30", "120"}},
+  {"Radar.reference_range_m", radar("reference_range_m: @"), "radar[1].reference_range_m", "must be in (0, 1000000000]",
+   not_finite_and({"0", "-1", "1000000001"}), {"1e-3", "1e9"}},
+  {"Radar.range_noise_floor_m", radar("range_noise_floor_m: @"), "radar[1].range_noise_floor_m",
+   "must be in [0, 1000000000]", not_finite_and({"-0.1", "1000000001"}), {"0", "1e9"}},
+  {"Radar.azimuth_noise_floor_deg", radar("azimuth_noise_floor_deg: @"), "radar[1].azimuth_noise_floor_deg",
+   "must be in [0, 90]", not_finite_and({"-0.1", "90.1"}), {"0", "90"}},
+  {"Radar.detection_probability", radar("detection_probability: @"), "radar[1].detection_probability",
+   "must be in (0, 1]", not_finite_and({"0", "-0.1", "1.1"}), {"1e-9", "1"}},
+  {"Radar.false_alarm_probability", radar("false_alarm_probability: @"), "radar[1].false_alarm_probability",
+   "must be in (0, 1)", not_finite_and({"0", "1", "-0.1", "1.1"}), {"1e-300", "0.999"}},
+  {"Radar.max_range_m", radar("max_range_m: @"), "radar[1].max_range_m", "must be > 0",
+   {"nan", "-inf", "0", "-1"}, {"1e-3", "60e3", "inf"}},
+  {"Radar.sector_centre_deg", radar("sector_centre_deg: @"), "radar[1].sector_centre_deg", "must be in [-360, 360]",
+   not_finite_and({"-361", "361"}), {"-360", "360"}},
+  {"Radar.sector_width_deg", radar("sector_width_deg: @"), "radar[1].sector_width_deg", "must be in (0, 360]",
+   not_finite_and({"0", "-1", "361"}), {"1e-9", "360"}},
+  {"Radar.clutter_density", radar("clutter_density: @"), "radar[1].clutter_density", "must be >= 0 and finite",
+   not_finite_and({"-1"}), {"0", "1e-3"}},
+  {"Radar.dwell_azimuth_deg", radar("dwell_azimuth_deg: @"), "radar[1].dwell_azimuth_deg", "must be in (0, 180]",
+   not_finite_and({"0", "-1", "181"}), {"1e-9", "180"}},
+  {"Radar.dwell_range_m", radar("dwell_range_m: @"), "radar[1].dwell_range_m", "must be in (0, 1000000000]",
+   not_finite_and({"0", "-1", "1000000001"}), {"1e-3", "1e9"}},
+  {"Radar.usage_cost", radar("usage_cost: @"), "radar[1].usage_cost", "must be in [0, 1000000000000]",
+   not_finite_and({"-1", "1000000000001"}), {"0", "1e12"}},
+
+  {"LinearSensor.c", linear(kR + "c: [1, 0, 0, 0,  0, 0, @, 0]"), "linear_sensor[1].c",
+   "must be in [-1000000, 1000000]", not_finite_and({"1000001"}), {"0", "-1e6", "1e6"}},
+  {"LinearSensor.r", linear(kC + "r: [1, 0, 0, @]"), "linear_sensor[1].r", "must be in [-1e+18, 1e+18]",
+   not_finite_and({"1.1e+18"}), {"1e-12", "1e18"}},
+  {"LinearSensor.detection_probability", linear(kC + kR + "detection_probability: @"),
+   "linear_sensor[1].detection_probability", "must be in (0, 1]", not_finite_and({"0", "1.1"}), {"1e-9", "1"}},
+  {"LinearSensor.usage_cost", linear(kC + kR + "usage_cost: @"), "linear_sensor[1].usage_cost",
+   "must be in [0, 1000000000000]", not_finite_and({"-1", "1000000000001"}), {"0", "1e12"}},
+
+  {"Target.x_m", target("x_m: @"), "target[1].x_m", "must be in [-1000000000, 1000000000]",
+   not_finite_and({"1000000001"}), {"-1e9", "0", "1e9"}},
+  {"Target.y_m", target("y_m: @"), "target[1].y_m", "must be in [-1000000000, 1000000000]",
+   not_finite_and({"-1000000001"}), {"-1e9", "0", "1e9"}},
+  {"Target.vx_mps", target("vx_mps: @"), "target[1].vx_mps", "must be in [-1000000, 1000000]",
+   not_finite_and({"1000001"}), {"-1e6", "1e6"}},
+  {"Target.vy_mps", target("vy_mps: @"), "target[1].vy_mps", "must be in [-1000000, 1000000]",
+   not_finite_and({"1000001"}), {"-1e6", "1e6"}},
+  {"Target.altitude_m", target("altitude_m: @"), "target[1].altitude_m", "must be in [-1000000000, 1000000000]",
+   not_finite_and({"1000000001"}), {"-1e9", "1e9"}},
+  {"Target.start_s", target("start_s: @"), "target[1].start_s", "must be in [0, 3000000000]",
+   not_finite_and({"-1", "3000000001"}), {"0", "5", "3e9"}},
+  {"Target.duration_s", target("duration_s: @"), "target[1].duration_s", "must be in (0, 3000000000]",
+   not_finite_and({"0", "-1", "3000000001"}), {"1e-9", "5", "3e9"}},
+  {"Target.weight", target("weight: @"), "target[1].weight", "must be in (0, 1000000000]",
+   not_finite_and({"0", "-1", "1000000001"}), {"1e-300", "1e9"}},
+  {"Leg.start_s", target("leg { duration_s: 2 start_s: @ }"), "target[1].leg[1].start_s",
+   "must be in [0, 3000000000]", not_finite_and({"-1", "3000000001"}), {"0", "1.5", "3e9"}},
+  {"Leg.duration_s", target("leg { start_s: 2 duration_s: @ }"), "target[1].leg[1].duration_s",
+   "must be in (0, 3000000000]", not_finite_and({"0", "-1", "3000000001"}), {"1e-9", "3e9"}},
+  {"Leg.ax_mps2", target("leg { start_s: 2 duration_s: 2 ax_mps2: @ }"), "target[1].leg[1].ax_mps2",
+   "must be in [-100000, 100000]", not_finite_and({"100001", "-100001"}), {"-1e5", "0", "1e5"}},
+  {"Leg.ay_mps2", target("leg { start_s: 2 duration_s: 2 ay_mps2: @ }"), "target[1].leg[1].ay_mps2",
+   "must be in [-100000, 100000]", not_finite_and({"100001", "-100001"}), {"-1e5", "0", "1e5"}},
+  {"Leg.turn_rate_dps", target("vx_mps: 9 leg { start_s: 2 duration_s: 2 turn_rate_dps: @ }"),
+   "target[1].leg[1].turn_rate_dps", "must be in [-360, 360]", not_finite_and({"361", "-361"}),
+   {"-360", "0", "1e-12", "360"}},
+  {"Leg.process_noise_scale",
+   target("process_noise { white_noise_acceleration: 1 } leg { start_s: 2 duration_s: 2 process_noise_scale: @ }"),
+   "target[1].leg[1].process_noise_scale", "must be in [0, 1000000]", not_finite_and({"-1", "1000001"}), {"0", "1e6"}},
+  {"Area.centre_x_m", target("jump_markov { area { radius_m: 1 centre_x_m: @ } }"),
+   "target[1].jump_markov.area.centre_x_m", "must be in [-1000000000, 1000000000]", not_finite_and({"1000000001"}),
+   {"-1e9", "1e9"}},
+  {"Area.centre_y_m", target("jump_markov { area { radius_m: 1 centre_y_m: @ } }"),
+   "target[1].jump_markov.area.centre_y_m", "must be in [-1000000000, 1000000000]", not_finite_and({"1000000001"}),
+   {"-1e9", "1e9"}},
+  {"Area.radius_m", target("jump_markov { area { radius_m: @ } }"), "target[1].jump_markov.area.radius_m",
+   "must be in (0, 1000000000]", not_finite_and({"0", "-1", "1000000001"}), {"1e-3", "1e9"}},
+  {"Area.turn_rate_dps", target("vx_mps: 9 jump_markov { area { radius_m: 1 turn_rate_dps: @ } }"),
+   "target[1].jump_markov.area.turn_rate_dps", "must be in (0, 360]", not_finite_and({"0", "-1", "361"}),
+   {"1e-9", "360"}},
+  {"Recording.begin_s", target(kRecording + "begin_s: @ }"), "target[1].recording.begin_s",
+   "must be in [0, 3000000000]", not_finite_and({"-1", "3000000001"}), {"0", "60"}},
+  {"Recording.start_s", target(kRecording + "start_s: @ }"), "target[1].recording.start_s",
+   "must be in [0, 3000000000]", not_finite_and({"-1", "3000000001"}), {"0", "7", "3e9"}},
+  {"Recording.east_m", target(kRecording + "east_m: @ }"), "target[1].recording.east_m",
+   "must be in [-1000000000, 1000000000]", not_finite_and({"1000000001"}), {"-1e9", "1e9"}},
+  {"Recording.north_m", target(kRecording + "north_m: @ }"), "target[1].recording.north_m",
+   "must be in [-1000000000, 1000000000]", not_finite_and({"1000000001"}), {"-1e9", "1e9"}},
+  {"Start.covariance", target("y_m: 50e3 start { covariance: [1, 1, @, 1] }"), "target[1].start.covariance",
+   "must be in [-1e+18, 1e+18]", not_finite_and({"1.1e+18"}), {"1e-12", "1e18"}},
+  {"FirstPlot.speed_sigma_mps", target("y_m: 50e3 start { first_plot { speed_sigma_mps: @ } }"),
+   "target[1].start.first_plot.speed_sigma_mps", "must be in (0, 1000000]", not_finite_and({"0", "-1", "1000001"}),
+   {"1e-9", "1e6"}},
+
+  {"Tracker.gate", top("tracker { gate: @ }"), "tracker.gate", "must be > 0", {"nan", "-inf", "0", "-1"},
+   {"1e-9", "1e300", "inf"}},
+  {"Tracker.lost_probability", top("tracker { lost_probability: @ }"), "tracker.lost_probability",
+   "must be in (0, 1)", not_finite_and({"0", "1"}), {"1e-300", "0.999"}},
+  {"Tracker.lost_squared_distance", top("tracker { lost_squared_distance: @ }"), "tracker.lost_squared_distance",
+   "must be > 0", {"nan", "-inf", "0", "-1"}, {"1e-9", "1e300", "inf"}},
+  {"ModeBank.transition", top(kTwoModes + "transition: [1, 0, @, 1] } }"), "tracker.bank.transition",
+   "must be in [0, 1]", not_finite_and({"-0.1", "1.1"}), {"0"}},
+  {"ModeBank.transition_interval_s", top(kTwoModes + "transition: [.9, .1, .1, .9] transition_interval_s: @ } }"),
+   "tracker.bank.transition_interval_s", "must be in [0.001, 1000000]", not_finite_and({"0", "-1", "0.0009", "1000001"}),
+   {"0.001", "2.5", "1e6"}},
+  {"ModeBank.initial_probability", top(kTwoModes + "transition: [1, 0, 0, 1] initial_probability: [1, @] } }"),
+   "tracker.bank.initial_probability", "must be in [0, 1]", not_finite_and({"-0.1", "1.1"}), {"0"}},
+  {"CoordinatedTurn.turn_rate_dps",
+   top("tracker { bank { mode { name: \"a\" coordinated_turn { turn_rate_dps: @ } } } }"),
+   "tracker.bank.mode[1].coordinated_turn.turn_rate_dps", "must be in [-360, 360]", not_finite_and({"361"}),
+   {"-360", "1e-9", "360"}},
+  {"ProcessNoise.white_noise_acceleration", target("process_noise { white_noise_acceleration: @ }"),
+   "target[1].process_noise.white_noise_acceleration", "must be in [0, 1000000000000]",
+   not_finite_and({"-1", "1000000000001"}), {"0", "1e12"}},
+  {"ProcessNoise.piecewise_acceleration",
+   top("tracker { bank { mode { name: \"a\" process_noise { piecewise_acceleration: @ } } } }"),
+   "tracker.bank.mode[1].process_noise.piecewise_acceleration", "must be in [0, 1000000]",
+   not_finite_and({"-1", "1000001"}), {"0", "1e6"}},
+  {"DiagonalNoise.b", target("process_noise { diagonal { b: [1, 1, 1, @] } }"),
+   "target[1].process_noise.diagonal.b", "must be in [0, 1000000]", not_finite_and({"-1", "1000001"}), {"0", "1e6"}},
+  {"ProcessNoise.step_s", target("process_noise { piecewise_acceleration: 1 step_s: @ }"),
+   "target[1].process_noise.step_s", "must be in [0.001, 3600]", not_finite_and({"0", "-1", "0.0009", "3601"}),
+   {"0.001", "0.5", "1"}},
+
+  {"Fixed.sensor", top("policy { fixed { sensor: @ } }"), "policy.fixed.sensor", "must be a whole number from 1 to 1",
+   {"0", "2", "4294967295"}, {"1"}},
+  {"SaImm.beta", top("policy { sa_imm { beta: @ } }"), "policy.sa_imm.beta", "must be in [0, 1000000000000]",
+   not_finite_and({"-1", "1000000000001"}), {"0", "1e12"}},
+  {"SaImm.nodes", top("policy { sa_imm { nodes: @ } }"), "policy.sa_imm.nodes", "must be a whole number from 2 to 32",
+   {"0", "1", "33", "4294967295"}, {"2", "32"}},
+  {"Stream.high_water_mark", top("stream { high_water_mark: @ }"), "stream.high_water_mark",
+   "must be a whole number from 1 to 100000000", {"0", "100000001", "4294967295"}, {"1", "100000000"}},
+};
+// clang-format on
+
+std::string with(const Row& row, const std::string& value) {
+  std::string text = row.text;
+  return text.replace(text.find('@'), 1, value);
+}
+
+/// Line and column, from 1, of the field's name.
+std::pair<int, int> place_of(const Row& row) {
+  const std::string name = row.field.substr(row.field.find('.') + 1) + ":";
+  const std::size_t place = row.text.rfind(name, row.text.find('@'));
+  const std::string before = row.text.substr(0, place);
+  const auto line = std::count(before.begin(), before.end(), '\n') + 1;
+  const std::size_t line_start = before.rfind('\n');
+  return {static_cast<int>(line),
+          static_cast<int>(place - (line_start == std::string::npos ? -1 : line_start))};
+}
+
+TEST(ConfigFields, BadValueIsOneViolationWithPathValueRuleAndPlace) {
+  for (const Row& row : kRows) {
+    for (const std::string& value : row.bad) {
+      SCOPED_TRACE(row.field + ": " + value + "\n" + refusal_of(with(row, value)));
+      const auto violations = violations_of(with(row, value));
+      ASSERT_EQ(violations.size(), 1);
+      EXPECT_EQ(violations[0].field, row.path);
+      EXPECT_EQ(violations[0].value, value);
+      EXPECT_EQ(violations[0].rule, row.rule);
+      EXPECT_EQ(std::pair(violations[0].line, violations[0].column), place_of(row));
+    }
+  }
+}
+
+TEST(ConfigFields, TextThatIsNoNumberIsASyntaxErrorAtItsPlace) {
+  for (const Row& row : kRows) {
+    SCOPED_TRACE(row.field);
+    const std::string before = row.text.substr(0, row.text.find('@'));
+    const auto violations = violations_of(with(row, "\"1\""));
+    ASSERT_EQ(violations.size(), 1);
+    EXPECT_EQ(violations[0].field, "syntax");
+    EXPECT_EQ(violations[0].line, std::count(before.begin(), before.end(), '\n') + 1);
+    EXPECT_EQ(violations[0].column, static_cast<int>(before.size() - before.rfind('\n')));
+  }
+}
+
+/// Every number of a message, and of the messages in it.
+void expect_finite(const google::protobuf::Message& message) {
+  using google::protobuf::FieldDescriptor;
+  const auto* reflection = message.GetReflection();
+  std::vector<const FieldDescriptor*> fields;
+  reflection->ListFields(message, &fields);
+  for (const FieldDescriptor* field : fields) {
+    const bool repeated = field->is_repeated();
+    const int count = repeated ? reflection->FieldSize(message, field) : 1;
+    for (int i = 0; i < count; ++i) {
+      if (field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE) {
+        expect_finite(repeated ? reflection->GetRepeatedMessage(message, field, i)
+                               : reflection->GetMessage(message, field));
+      } else if (field->cpp_type() == FieldDescriptor::CPPTYPE_DOUBLE) {
+        const double value = repeated ? reflection->GetRepeatedDouble(message, field, i)
+                                      : reflection->GetDouble(message, field);
+        EXPECT_TRUE(std::isfinite(value)) << field->full_name() << " = " << value;
+      }
+    }
+  }
+}
+
+TEST(ConfigFields, WhatIsAcceptedRunsUnderEveryPolicyAndPublishesFiniteNumbers) {
+  for (const Row& row : kRows) {
+    const bool has_policy = row.path.rfind("policy.", 0) == 0;
+    for (const std::string& value : row.good) {
+      for (const PolicyDescription& policy : describe_policies(1)) {
+        SCOPED_TRACE(row.field + ": " + value + (has_policy ? "" : " under " + policy.name));
+        const std::string text = with(row, value) + (has_policy ? "" : "policy { " + policy.name + " {} }\n");
+        ASSERT_EQ(refusal_of(text), "");
+        RecordedRun recorded(config_of(text));
+        recorded.scan(8);
+        for (const v1::Envelope& envelope : recorded.stream.envelopes) expect_finite(envelope);
+        if (has_policy) break;
+      }
+    }
+  }
+}
+
+void numeric_fields(const google::protobuf::Descriptor& type, std::set<std::string>& seen,
+                    std::set<std::string>& fields) {
+  using google::protobuf::FieldDescriptor;
+  if (!seen.insert(type.name()).second) return;
+  for (int i = 0; i < type.field_count(); ++i) {
+    const FieldDescriptor& field = *type.field(i);
+    if (field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE)
+      numeric_fields(*field.message_type(), seen, fields);
+    if (field.cpp_type() == FieldDescriptor::CPPTYPE_DOUBLE ||
+        field.cpp_type() == FieldDescriptor::CPPTYPE_UINT32) {
+      fields.insert(type.name() + "." + field.name());
+    }
+  }
+}
+
+TEST(ConfigFields, TableHasEveryNumberOfTheSchema) {
+  std::set<std::string> seen;
+  std::set<std::string> wanted;
+  numeric_fields(*v1::Config::descriptor(), seen, wanted);
+  std::set<std::string> there;
+  for (const Row& row : kRows) there.insert(row.field);
+  EXPECT_EQ(there, wanted);
+}
+
+}  // namespace
+}  // namespace dwell::testing
