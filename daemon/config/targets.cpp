@@ -110,15 +110,7 @@ JumpMarkovMotion read_jump_markov(FieldReader& in, const EngineConfig& config) {
   }
   bool without_noise = false;
   jump.flag("without_noise", without_noise);
-  if (jump.has("area")) {
-    motion.area = read_area(jump.child("area"));
-    const double turning_radius_m = velocity(motion.initial).norm() / motion.area->turn_rate_radps;
-    if (motion.area->radius_m < turning_radius_m) {
-      FieldReader area = jump.child("area");
-      area.refuse("radius_m", area.value("radius_m"),
-                  "must be at least speed / turn rate = " + number_text(turning_radius_m) + " m");
-    }
-  }
+  if (jump.has("area")) motion.area = read_area(jump.child("area"));
   if (const auto discrete = discretise(bank, to_seconds(config.scan_period))) {
     motion.system.transition_matrix = discrete->f;
     motion.system.transition = discrete->transition;
