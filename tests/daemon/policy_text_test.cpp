@@ -118,8 +118,11 @@ TEST(PolicyText, ParameterGivenTwiceIsRefused) {
 
 TEST(PolicyText, AllViolationsAreListed) {
   std::vector<Violation> violations;
-  EXPECT_FALSE(parse_policy_text("sa_imm:cost=y:depth=2:nodes=x", violations));
+  auto policy = parse_policy_text("sa_imm:cost=y:depth=2:nodes=x:beta=-1", violations);
   EXPECT_EQ(violations.size(), 3);
+  ASSERT_TRUE(policy.has_value());  // what is left can be checked against its rules, all in one answer
+  EXPECT_FALSE(read_policy(*policy, kSensors, violations));
+  EXPECT_EQ(violations.size(), 4);
 }
 
 TEST(PolicyText, MessageWithoutAPolicyListsTheValid) {
