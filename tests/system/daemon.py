@@ -174,7 +174,7 @@ control {{ bind: "{bind["control"]}" }}
         self.process.communicate()
         for client in self.clients:
             client.socket.close()
-        self.context.term()
+        self.context.destroy(linger=0)  # also what a failed test left open: term() would wait for ever
 
     def _wait_for_log(self, pattern):
         deadline = time.monotonic() + PATIENCE_S

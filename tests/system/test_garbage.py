@@ -91,24 +91,30 @@ class Garbage(SystemTest):
             peer.sndtimeo = 1000 * PATIENCE_S
         requests.connect(daemon.control_endpoint)
         subscriptions.connect(daemon.stream_endpoint)
-        answered = 0
-        for _ in range(count):
-            message = chance.randbytes(chance.randrange(0, 200))
-            if chance.randrange(2):  # a request with bytes changed
-                request = control_pb2.Request(id="x" * chance.randrange(1, 70), client="garbage")
-                request.set_policy.text = "sa_imm:nodes=7"
-                message = bytearray(request.SerializeToString())
-                for _ in range(chance.randrange(1, 6)):
-                    message[chance.randrange(len(message))] = chance.randrange(256)
-                message = bytes(message)
-            requests.send_multipart([message] if chance.randrange(4) else [b"", message, message])
-            subscriptions.send(message)
-            while requests.poll(0):
-                control_pb2.Reply.FromString(requests.recv_multipart()[-1])
-                answered += 1
-        self.assertGreater(answered, 0)
-        requests.close()
-        subscriptions.close()
+        try:
+            answered = 0
+            for _ in range(count):
+                message = self.message(chance)
+                requests.send_multipart([message] if chance.randrange(4) else [b"", message, message])
+                subscriptions.send(message)
+                while requests.poll(0):
+                    control_pb2.Reply.FromString(requests.recv_multipart()[-1])
+                    answered += 1
+            # The daemon may be slower than we are: half of the messages have an answer, if not yet.
+            self.assertTrue(answered or requests.poll(1000 * PATIENCE_S))
+        finally:
+            requests.close()
+            subscriptions.close()
+
+    def message(self, chance):
+        if chance.randrange(2):
+            return chance.randbytes(chance.randrange(0, 200))
+        request = control_pb2.Request(id="x" * chance.randrange(1, 70), client="garbage")
+        request.set_policy.text = "sa_imm:nodes=7"
+        changed = bytearray(request.SerializeToString())
+        for _ in range(chance.randrange(1, 6)):
+            changed[chance.randrange(len(changed))] = chance.randrange(256)
+        return bytes(changed)
 
     def test_request_beyond_the_largest_size_cuts_the_connection_alone(self):
         with self.daemon(f"scan_period_s: {PERIOD_S}\n" + BUSY) as daemon:
