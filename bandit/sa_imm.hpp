@@ -14,7 +14,7 @@ struct SaImmSettings {
   };
   Cost cost = Cost::kPosition;
   double beta = 0.0;
-  int nodes = 5;  ///< Gauss-Hermite nodes on each axis: see ExpectedCost for the error
+  int nodes = 5;  ///< quadrature nodes on a ray: see ExpectedCost for the error
 };
 
 /// The sensor-adaptive IMM: the pair whose look is expected to lower the total cost most, one step ahead.

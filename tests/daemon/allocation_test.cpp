@@ -1,89 +1,16 @@
 // A scan allocates nothing once its vectors have grown. Counted at malloc, under operator new and Eigen
 // alike.
 
-#include <cerrno>
-#include <cstdlib>
-
 #include <Eigen/Dense>
 
 #include "daemon/config/policy_reader.hpp"
+#include "daemon/encode.hpp"
+#include "tests/allocations.hpp"
 #include "tests/daemon/support.hpp"
 #include "tests/scale.hpp"
 
-namespace {
-
-thread_local long allocations = 0;
-
-}  // namespace
-
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define DWELL_SANITIZED_HEAP
-#endif
-#endif
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define DWELL_SANITIZED_HEAP
-#endif
-
-#ifdef DWELL_SANITIZED_HEAP
-
-extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*malloc_hook)(const volatile void*,
-                                                                             std::size_t),
-                                                         void (*free_hook)(const volatile void*));
-namespace {
-
-const int hooks_installed = __sanitizer_install_malloc_and_free_hooks(
-    [](const volatile void*, std::size_t) { ++allocations; }, [](const volatile void*) {});
-
-}  // namespace
-
-#else
-
-extern "C" {
-
-void* __libc_malloc(std::size_t size);
-void* __libc_calloc(std::size_t count, std::size_t size);
-void* __libc_realloc(void* block, std::size_t size);
-void* __libc_memalign(std::size_t alignment, std::size_t size);
-
-void* malloc(std::size_t size) {
-  ++allocations;
-  return __libc_malloc(size);
-}
-void* calloc(std::size_t count, std::size_t size) {
-  ++allocations;
-  return __libc_calloc(count, size);
-}
-void* realloc(void* block, std::size_t size) {
-  ++allocations;
-  return __libc_realloc(block, size);
-}
-void* aligned_alloc(std::size_t alignment, std::size_t size) {
-  ++allocations;
-  return __libc_memalign(alignment, size);
-}
-int posix_memalign(void** block, std::size_t alignment, std::size_t size) {
-  ++allocations;
-  *block = __libc_memalign(alignment, size);
-  return *block == nullptr ? ENOMEM : 0;
-}
-
-}  // extern "C"
-
-#endif
-
 namespace dwell::testing {
 namespace {
-
-TEST(Allocation, CounterSeesNewAndEigen) {
-  long before = allocations;
-  auto owned = std::make_unique<std::string>(100, 'x');
-  EXPECT_EQ(allocations - before, 2);
-  before = allocations;
-  const Eigen::MatrixXd matrix = Eigen::MatrixXd::Identity(5, 5);
-  EXPECT_EQ(allocations - before, 1);
-  EXPECT_EQ(matrix.trace() + static_cast<double>(owned->size()), 105.0);
-}
 
 /// 3 radars and 30 random targets that turn back at the edge of an area.
 std::string scenario(bool clutter) {
@@ -135,9 +62,9 @@ TEST(Allocation, ScanAllocatesNothingAfterWarmUpUnderAnyPolicy) {
     ASSERT_EQ(engine.tracks().size(), 30);
     long most = 0;
     for (int i = 0; i < scaled(500); ++i) {
-      const long before = allocations;
+      const long before = allocations();
       (void)engine.scan();
-      most = std::max(most, allocations - before);
+      most = std::max(most, allocations() - before);
     }
     EXPECT_EQ(engine.counts().filter_failures, 0);
     EXPECT_EQ(most, 0) << "allocations in one scan";

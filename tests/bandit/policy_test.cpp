@@ -1,0 +1,204 @@
+// What holds for every policy of the catalogue.
+
+#include "bandit/policy.hpp"
+
+#include <algorithm>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "bandit/catalogue.hpp"
+#include "tests/allocations.hpp"
+#include "tests/bandit/scene.hpp"
+#include "tests/scale.hpp"
+
+namespace dwell::testing {
+namespace {
+
+struct NamedPolicy {
+  std::string name;
+  PolicySettings settings;
+};
+
+std::vector<NamedPolicy> all_policies() {
+  // A new policy is a new row here as well.
+  static_assert(std::variant_size_v<PolicySettings> == 5);
+  SaImmSettings with_modes;
+  with_modes.cost = SaImmSettings::Cost::kFull;
+  with_modes.beta = 10.0;
+  SaImmSettings modes_alone;
+  modes_alone.cost = SaImmSettings::Cost::kNone;
+  modes_alone.beta = 1.0;
+  return {{"sa_imm", SaImmSettings{}},
+          {"sa_imm_full_and_modes", with_modes},
+          {"sa_imm_modes_alone", modes_alone},
+          {"round_robin", RoundRobinSettings{}},
+          {"round_robin_track_fastest", RoundRobinSettings{RoundRobinSettings::Order::kTrackFastest}},
+          {"round_robin_locked", RoundRobinSettings{RoundRobinSettings::Order::kLocked}},
+          {"fixed", FixedSettings{2}},
+          {"largest_variance", LargestVarianceSettings{}},
+          {"bhattacharyya", BhattacharyyaSettings{}}};
+}
+
+class EveryPolicy : public ::testing::TestWithParam<NamedPolicy> {
+ protected:
+  std::unique_ptr<Policy> policy_ = make_policy(GetParam().settings);
+  Decision decision_;
+};
+
+INSTANTIATE_TEST_SUITE_P(Catalogue, EveryPolicy, ::testing::ValuesIn(all_policies()),
+                         [](const auto& test) { return test.param.name; });
+
+bool free_of(const Decision& decision, std::size_t looks, const Pair& pair) {
+  for (std::size_t i = 0; i < looks; ++i) {
+    if (decision.pair(i).sensor == pair.sensor || decision.pair(i).track == pair.track) return false;
+  }
+  return true;
+}
+
+/// The rule that all policies share, said again: each look takes the first of the best among what is free.
+void expect_choice_follows_scores(const Situation& situation, const Decision& decision) {
+  const auto& candidates = decision.candidates;
+  ASSERT_EQ(candidates.size(), situation.feasible.size());
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    EXPECT_EQ(candidates[i].pair.sensor, situation.feasible[i].sensor);
+    EXPECT_EQ(candidates[i].pair.track, situation.feasible[i].track);
+    EXPECT_TRUE(std::isfinite(candidates[i].score));
+  }
+  for (std::size_t look = 0; look < static_cast<std::size_t>(situation.looks); ++look) {
+    std::optional<std::size_t> best;
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+      if (!free_of(decision, std::min(look, decision.chosen.size()), candidates[i].pair)) continue;
+      if (!best || candidates[i].score > candidates[*best].score) best = i;
+    }
+    ASSERT_EQ(best.has_value(), look < decision.chosen.size());
+    if (best) {
+      EXPECT_EQ(decision.chosen[look], *best);
+    }
+  }
+  std::vector<double> scores;
+  for (const Candidate& candidate : candidates) scores.push_back(candidate.score);
+  std::sort(scores.rbegin(), scores.rend());
+  EXPECT_EQ(decision.margin.has_value(), scores.size() > 1);
+  if (decision.margin) {
+    EXPECT_EQ(*decision.margin, scores[0] - scores[1]);
+  }
+}
+
+TEST_P(EveryPolicy, ScoresEveryCandidateAndTakesTheBest) {
+  for (int seed = 0; seed < scaled(100); ++seed) {
+    Scene scene = random_scene(1 + seed % 5, static_cast<std::uint64_t>(seed));
+    const Situation situation = scene.situation();
+    policy_->decide(situation, decision_);
+    expect_choice_follows_scores(situation, decision_);
+    EXPECT_FALSE(decision_.fell_back);
+  }
+}
+
+TEST_P(EveryPolicy, SeveralLooksTakeDistinctSensorsAndTracks) {
+  for (int seed = 0; seed < scaled(50); ++seed) {
+    for (const int tracks : {1, 2, 4}) {
+      for (const int looks : {2, 3, 7}) {
+        Scene scene = random_scene(tracks, static_cast<std::uint64_t>(seed));
+        const Situation situation = scene.situation(looks);
+        policy_->decide(situation, decision_);
+        EXPECT_EQ(std::ssize(decision_.chosen), std::min({looks, tracks, 3}));
+        expect_choice_follows_scores(situation, decision_);
+      }
+    }
+  }
+}
+
+/// Twins of everything: whatever the policy, a tie goes to the candidate that comes first.
+TEST_P(EveryPolicy, TiesGoToTheFirst) {
+  Scene scene = plain_scene(3, {1, 2, 3});
+  const Situation situation = scene.situation();
+  policy_->decide(situation, decision_);
+  expect_choice_follows_scores(situation, decision_);
+}
+
+TEST_P(EveryPolicy, NothingFeasibleIsNothingChosen) {
+  Scene scene = random_scene(3, 1);
+  policy_->decide(scene.situation(), decision_);
+  scene.up = {false, false, false};
+  policy_->decide(scene.situation(), decision_);
+  EXPECT_TRUE(decision_.candidates.empty());
+  EXPECT_TRUE(decision_.chosen.empty());
+  EXPECT_FALSE(decision_.margin);
+  EXPECT_FALSE(decision_.fell_back);
+  scene.up = {true, true, true};
+  scene.tracks.clear();
+  policy_->decide(scene.situation(), decision_);
+  EXPECT_TRUE(decision_.chosen.empty());
+}
+
+TEST_P(EveryPolicy, OneCandidateIsTakenWithoutMargin) {
+  Scene scene = random_scene(1, 1);
+  scene.up = {false, false, true};
+  policy_->decide(scene.situation(), decision_);
+  ASSERT_EQ(decision_.chosen, std::vector<std::size_t>{0});
+  EXPECT_EQ(decision_.pair(0).sensor, 2U);
+  EXPECT_FALSE(decision_.margin);
+}
+
+/// A radar goes down and comes up, a track is lost in mid-cycle, another appears: only what is feasible is
+/// chosen, and every choice follows its scores.
+TEST_P(EveryPolicy, RadarsAndTracksComeAndGo) {
+  Scene scene = random_scene(4, 3);
+  for (int scan = 0; scan < 60; ++scan) {
+    if (scan == 10) scene.up[1] = false;
+    if (scan == 20) scene.tracks[2].lose(LossCause::kNoPlots);
+    if (scan == 30) scene.up[1] = true;
+    if (scan == 40) scene.tracks.erase(scene.tracks.begin());
+    if (scan == 50) scene.add_track(9, scene.tracks[0].estimate);
+    const Situation situation = scene.situation(1 + scan % 3);
+    policy_->decide(situation, decision_);
+    expect_choice_follows_scores(situation, decision_);
+    for (std::size_t look = 0; look < decision_.chosen.size(); ++look) {
+      EXPECT_TRUE(scene.up[decision_.pair(look).sensor]);
+      EXPECT_TRUE(scene.tracks[decision_.pair(look).track].alive());
+    }
+    scene.move_on(decision_);
+  }
+}
+
+TEST_P(EveryPolicy, SameSituationsSameDecisions) {
+  const auto twin = make_policy(GetParam().settings);
+  Scene scene = random_scene(5, 4);
+  Decision other;
+  for (int scan = 0; scan < 50; ++scan) {
+    policy_->decide(scene.situation(2), decision_);
+    twin->decide(scene.situation(2), other);
+    ASSERT_EQ(decision_.chosen, other.chosen);
+    EXPECT_EQ(decision_.margin, other.margin);
+    for (std::size_t i = 0; i < decision_.candidates.size(); ++i) {
+      EXPECT_EQ(decision_.candidates[i].score, other.candidates[i].score);
+    }
+    scene.move_on(decision_);
+  }
+}
+
+TEST_P(EveryPolicy, AllocatesNothingAfterTheFirstDecision) {
+  Scene scene = random_scene(6, 5);
+  policy_->decide(scene.situation(3), decision_);
+  for (int scan = 0; scan < 20; ++scan) {
+    const Situation situation = scene.situation(3);
+    const long before = allocations();
+    policy_->decide(situation, decision_);
+    EXPECT_EQ(allocations() - before, 0);
+    scene.move_on(decision_);
+  }
+}
+
+TEST(Allocations, CountsNewAndEigen) {
+  const long before = allocations();
+  const Eigen::VectorXd on_the_heap = Eigen::VectorXd::Ones(100);
+  const auto owned = std::make_unique<double>(on_the_heap.sum());
+  EXPECT_EQ(allocations() - before, 2);
+  EXPECT_EQ(*owned, 100.0);
+}
+
+TEST_P(EveryPolicy, HasTheNameOfTheCatalogue) { EXPECT_EQ(GetParam().name.find(policy_->name()), 0U); }
+
+}  // namespace
+}  // namespace dwell::testing
