@@ -6,6 +6,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "tracker/footprint.hpp"
+
 namespace dwell {
 
 StateMatrix position_weight() {
@@ -30,7 +32,12 @@ Numerics ExpectedCost::with_look(const ImmEstimate& predicted, const Sensor& sen
   const Numerics numerics = predict_measurements(sensor, form, predicted, measurements_);
   if (numerics != Numerics::kOk) return numerics;
   const double detected = within_modes(predicted, sensor, form) + between_modes();
-  const double p_d = sensor.detection_probability(combined_mean(predicted));
+  const State pointing = combined_mean(predicted);
+  double in_footprint = 0.0;
+  for (int j = 0; j < predicted.size(); ++j) {
+    in_footprint += predicted.probability[j] * footprint_probability(sensor, predicted.modes[j], pointing);
+  }
+  const double p_d = sensor.detection_probability(pointing) * in_footprint;
   const double expected = p_d * detected + (1.0 - p_d) * without_look(predicted);
   if (!std::isfinite(expected)) return Numerics::kNotFinite;
   cost = expected;

@@ -41,7 +41,9 @@ StateMatrix position_weight();
 ///     5       0.8 %        1.4 %          1.9 %             0.4 %
 ///    10       0.1 %        0.1 %          0.2 %             0.02 %
 ///
-/// With P_d < 1 the look leaves the cost without a look with probability 1 - P_d. No gate is accounted for.
+/// The look leaves the cost without a look with probability 1 - P_d F, F the probability that the target is in
+/// the footprint (tracker/footprint.hpp); what it measures is taken to be independent of that. No gate is
+/// accounted for.
 ///
 /// Cost     O(nodes^2 M^3), no allocation after the first call for M modes.
 /// Source   Evans et al. (2005), (18)-(20); the pairwise form: w_i w_j p(y) = c_a N_a(y) w_b(y), and

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "radar/assert.hpp"
+#include "tracker/footprint.hpp"
 
 namespace dwell {
 namespace {
@@ -124,11 +125,21 @@ double Tracker::log_density(const Track& track) const {
   return largest + std::log(sum);
 }
 
+/// A look without a plot in the gate is evidence too, by Bayes: mu_j proportional to c_j (1 - P_d F_j), F_j the
+/// probability that mode j's target is in the footprint. Modes whose target may well have left the beam gain.
 void Tracker::miss(Track& track, const Sensor& sensor, bool had_plots) const {
   track.status = TrackStatus::kCoasting;
   if (had_plots) ++track.rejections;
-  const double detection = sensor.detection_probability(track.combined.mean);
-  track.log_miss_probability += std::log1p(-std::min(detection, kLargestBelievedDetection));
+  const State pointing = track.combined.mean;
+  const double detection = std::min(sensor.detection_probability(pointing), kLargestBelievedDetection);
+  for (int j = 0; j < track.estimate.size(); ++j) {
+    const double inside = footprint_probability(sensor, track.estimate.modes[j], pointing);
+    track.estimate.probability[j] *= 1.0 - detection * inside;
+  }
+  track.estimate.probability /= track.estimate.probability.sum();
+  track.combined = combine(track.estimate);
+  // The run of misses is judged by P_d alone: a target that has left the beam is lost as well.
+  track.log_miss_probability += std::log1p(-detection);
   const double limit = std::log(settings_.lost_probability) + kLogRounding;
   if (track.log_miss_probability <= limit) track.lose(LossCause::kNoPlots);
 }
