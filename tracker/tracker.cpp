@@ -132,12 +132,14 @@ void Tracker::miss(Track& track, const Sensor& sensor, bool had_plots) const {
   if (had_plots) ++track.rejections;
   const State pointing = track.combined.mean;
   const double detection = std::min(sensor.detection_probability(pointing), kLargestBelievedDetection);
-  for (int j = 0; j < track.estimate.size(); ++j) {
-    const double inside = footprint_probability(sensor, track.estimate.modes[j], pointing);
-    track.estimate.probability[j] *= 1.0 - detection * inside;
+  if (sensor.footprint_half_extent().allFinite()) {  // without a beam a miss says the same of every mode
+    for (int j = 0; j < track.estimate.size(); ++j) {
+      const double inside = footprint_probability(sensor, track.estimate.modes[j], pointing);
+      track.estimate.probability[j] *= 1.0 - detection * inside;
+    }
+    track.estimate.probability /= track.estimate.probability.sum();
+    track.combined = combine(track.estimate);
   }
-  track.estimate.probability /= track.estimate.probability.sum();
-  track.combined = combine(track.estimate);
   // The run of misses is judged by P_d alone: a target that has left the beam is lost as well.
   track.log_miss_probability += std::log1p(-detection);
   const double limit = std::log(settings_.lost_probability) + kLogRounding;
