@@ -27,7 +27,8 @@ double bhattacharyya_bound(const Sensor& sensor, UpdateForm form, const Eigen::V
   double bound = 0.0;
   for (std::size_t i = 0; i < measurements.size(); ++i) {
     for (std::size_t j = i + 1; j < measurements.size(); ++j) {
-      const double weight = std::sqrt(probability[static_cast<Eigen::Index>(i)] * probability[static_cast<Eigen::Index>(j)]);
+      const double weight =
+          std::sqrt(probability[static_cast<Eigen::Index>(i)] * probability[static_cast<Eigen::Index>(j)]);
       const Vector2 apart = innovation(sensor, form, measurements[i].z, measurements[j].z);
       bound += weight * std::exp(-exponent(measurements[i], measurements[j], apart));
     }

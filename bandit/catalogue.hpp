@@ -13,8 +13,8 @@
 namespace dwell {
 
 /// Every policy's settings; the default first.
-using PolicySettings = std::variant<SaImmSettings, RoundRobinSettings, FixedSettings, LargestVarianceSettings,
-                                    BhattacharyyaSettings>;
+using PolicySettings =
+    std::variant<SaImmSettings, RoundRobinSettings, FixedSettings, LargestVarianceSettings, BhattacharyyaSettings>;
 
 std::unique_ptr<Policy> make_policy(const PolicySettings& settings);
 

@@ -27,8 +27,7 @@ double ExpectedCost::without_look(const ImmEstimate& predicted) const {
          weights_.beta * (1.0 - predicted.probability.squaredNorm());
 }
 
-Numerics ExpectedCost::with_look(const ImmEstimate& predicted, const Sensor& sensor, UpdateForm form,
-                                 double& cost) {
+Numerics ExpectedCost::with_look(const ImmEstimate& predicted, const Sensor& sensor, UpdateForm form, double& cost) {
   const Numerics numerics = predict_measurements(sensor, form, predicted, measurements_);
   if (numerics != Numerics::kOk) return numerics;
   const double detected = within_modes(predicted, sensor, form) + between_modes();
@@ -64,9 +63,8 @@ double ExpectedCost::within_modes(const ImmEstimate& predicted, const Sensor& se
     mode.slope = root_ * gain;
     mode.constant = root_ * (prior.mean - predicted.modes[0].mean) - mode.slope * mode.plot.z;
   }
-  std::sort(posteriors_.begin(), posteriors_.end(), [](const ModePosterior& i, const ModePosterior& j) {
-    return i.log_determinant < j.log_determinant;
-  });
+  std::sort(posteriors_.begin(), posteriors_.end(),
+            [](const ModePosterior& i, const ModePosterior& j) { return i.log_determinant < j.log_determinant; });
   return sum;
 }
 

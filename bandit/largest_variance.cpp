@@ -16,16 +16,15 @@ LargestVariance::LargestVariance(const LargestVarianceSettings& /*settings*/)
 void LargestVariance::score(const Situation& situation, std::span<Candidate> candidates) {
   for (auto first = candidates.begin(); first != candidates.end();) {
     const Track& track = situation.tracks[first->pair.track];
-    const auto last = std::find_if(first, candidates.end(), [&](const Candidate& candidate) {
-      return candidate.pair.track != first->pair.track;
-    });
+    const auto last = std::find_if(
+        first, candidates.end(), [&](const Candidate& candidate) { return candidate.pair.track != first->pair.track; });
     const double variance = expected_variance_.without_look(track.estimate);
     double best = 0.0;
     for (auto candidate = first; candidate != last; ++candidate) {
       double after = variance;
       // On a numerical error `after` stays: a look of no use.
-      (void)expected_variance_.with_look(track.estimate, *situation.sensors[candidate->pair.sensor],
-                                         situation.update, after);
+      (void)expected_variance_.with_look(track.estimate, *situation.sensors[candidate->pair.sensor], situation.update,
+                                         after);
       candidate->score = std::max(0.0, variance - after);
       best = std::max(best, candidate->score);
     }

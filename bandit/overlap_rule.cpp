@@ -20,12 +20,10 @@ double reach(const WeightedNormal& f, const Vector2& y, const Vector2& d, double
   const double curvature = d.dot(information_d);
   const double slope = (y - f.z).dot(information_d);
   const double rise = level - value(f, y);
-  return std::max(0.0,
-                  (std::sqrt(std::max(0.0, slope * slope + 2.0 * curvature * rise)) - slope) / curvature);
+  return std::max(0.0, (std::sqrt(std::max(0.0, slope * slope + 2.0 * curvature * rise)) - slope) / curvature);
 }
 
-double reach(const WeightedNormal& a, const WeightedNormal& b, const Vector2& y, const Vector2& d,
-             double level) {
+double reach(const WeightedNormal& a, const WeightedNormal& b, const Vector2& y, const Vector2& d, double level) {
   return std::min(reach(a, y, d, level), reach(b, y, d, level));
 }
 

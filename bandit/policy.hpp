@@ -21,12 +21,12 @@ struct Pair {
 /// What a policy may know when it decides: every track is predicted to the time of the scan.
 struct Situation {
   TimePoint time;
-  int looks = 1;                             ///< at most so many pairs are chosen
-  UpdateForm update = UpdateForm::kEkf;      ///< how a plot will meet the state
-  std::span<const Sensor* const> sensors;    ///< as they are believed to be
-  std::span<const double> usage_cost;        ///< gamma of each sensor, in units of the policy's cost
+  int looks = 1;                           ///< at most so many pairs are chosen
+  UpdateForm update = UpdateForm::kEkf;    ///< how a plot will meet the state
+  std::span<const Sensor* const> sensors;  ///< as they are believed to be
+  std::span<const double> usage_cost;      ///< gamma of each sensor, in units of the policy's cost
   std::span<const Track> tracks;
-  std::span<const Pair> feasible;            ///< sensor up, track alive and covered; tracks in order, then sensors
+  std::span<const Pair> feasible;  ///< sensor up, track alive and covered; tracks in order, then sensors
 };
 
 /// A feasible pair and what the policy thinks of it.

@@ -83,8 +83,7 @@ void ask_snapshot(v1::Request& request) { request.mutable_get_snapshot(); }
 void add_verbs(CLI::App& app, CommandLine& line, Values& values) {
   add_verb(app, "status", "What the daemon is doing", line, Verb::kStatus,
            [](v1::Request& request) { request.mutable_get_status(); });
-  add_verb(app, "watch", "Follow the tracks and decisions; q or Ctrl-C ends it", line, Verb::kWatch,
-           ask_snapshot);
+  add_verb(app, "watch", "Follow the tracks and decisions; q or Ctrl-C ends it", line, Verb::kWatch, ask_snapshot);
   add_verb(app, "explain", "Why the last scan looked where it looked", line, Verb::kExplain, ask_snapshot);
   add_verb(app, "snapshot", "All tracks as they are now", line, Verb::kSnapshot, ask_snapshot);
   add_verb(app, "pause", "Stop before the next scan", line, Verb::kPause,
@@ -118,8 +117,7 @@ void add_policy_verbs(CLI::App& app, CommandLine& line, Values& values) {
 }
 
 void add_radar_verbs(CLI::App& app, CommandLine& line, Values& values) {
-  CLI::App* radar =
-      app.add_subcommand("radar", "List the radars, take one out of use or back")->fallthrough();
+  CLI::App* radar = app.add_subcommand("radar", "List the radars, take one out of use or back")->fallthrough();
   radar->require_subcommand(1);
   add_verb(*radar, "list", "The radars and how often they looked", line, Verb::kRadarList,
            [](v1::Request& request) { request.mutable_list_radars(); });
@@ -153,8 +151,7 @@ std::variant<CommandLine, int> parse_command_line(int argc, const char* const* a
     // CLI11 says that a command is missing where an unknown one was given.
     const std::vector<std::string> unknown = app.remaining(true);
     if (unknown.empty()) return app.exit(error), kBadCommandLine;
-    std::cerr << "there is no command '" << unknown.front()
-              << "' here\nRun with --help for more information.\n";
+    std::cerr << "there is no command '" << unknown.front() << "' here\nRun with --help for more information.\n";
     return kBadCommandLine;
   } catch (const CLI::ParseError& error) {
     // CLI11 prints the help or the error; its own codes say which, ours only whether.

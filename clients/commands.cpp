@@ -15,8 +15,7 @@ namespace {
 constexpr int kFailed = 1;
 
 void require(bool held) {
-  if (!held)
-    throw std::runtime_error("the daemon's answer does not hold what was asked for; is it another version?");
+  if (!held) throw std::runtime_error("the daemon's answer does not hold what was asked for; is it another version?");
 }
 
 std::string active_policy(ControlClient& control) {
@@ -28,8 +27,7 @@ std::string active_policy(ControlClient& control) {
 
 Lines policy_set_lines(const v1::Accepted& accepted, const CommandLine& line, const std::string& before) {
   // The daemon's own reading of the policy, where it sends it, with the defaults filled in.
-  const std::string after =
-      accepted.has_policy() ? policy_text(accepted.policy()) : line.request.set_policy().text();
+  const std::string after = accepted.has_policy() ? policy_text(accepted.policy()) : line.request.set_policy().text();
   return {{fmt::format("policy {} -> {} from scan {}", before, after, accepted.effective_scan())}};
 }
 
@@ -41,19 +39,16 @@ std::string done_text(const CommandLine& line) {
     case Verb::kResume:
       return "running";
     case Verb::kStep:
-      return fmt::format("{} scan{} to run,", line.request.step().scans(),
-                         line.request.step().scans() == 1 ? "" : "s");
+      return fmt::format("{} scan{} to run,", line.request.step().scans(), line.request.step().scans() == 1 ? "" : "s");
     case Verb::kRadarDown:
     case Verb::kRadarUp:
-      return fmt::format("radar {} {}", line.request.set_radar().name(),
-                         line.verb == Verb::kRadarUp ? "up" : "down");
+      return fmt::format("radar {} {}", line.request.set_radar().name(), line.verb == Verb::kRadarUp ? "up" : "down");
     default:
       return "stopping";
   }
 }
 
-Lines answer_lines(const CommandLine& line, const v1::Accepted& accepted, const std::string& before,
-                   const Page& page) {
+Lines answer_lines(const CommandLine& line, const v1::Accepted& accepted, const std::string& before, const Page& page) {
   switch (line.verb) {
     case Verb::kStatus:
       require(accepted.has_status());

@@ -14,9 +14,8 @@
 namespace dwell::client {
 
 NoAnswer::NoAnswer(const ControlOptions& options)
-    : std::runtime_error(fmt::format("no answer from {} ({} tries of {} s): is dwelld running there?",
-                                     options.endpoint, options.tries,
-                                     std::chrono::duration<double>(options.timeout).count())) {}
+    : std::runtime_error(fmt::format("no answer from {} ({} tries of {} s): is dwelld running there?", options.endpoint,
+                                     options.tries, std::chrono::duration<double>(options.timeout).count())) {}
 
 std::string new_request_id() {
   std::random_device random;

@@ -29,8 +29,7 @@ std::vector<const v1::Candidate*> by_score(const v1::ScanReport& report) {
   for (const v1::Candidate& candidate : report.candidate()) sorted.push_back(&candidate);
   // A score that is not a number goes last: the order must stay a strict one.
   const auto key = [](const v1::Candidate* c) { return std::isnan(c->score()) ? -INFINITY : c->score(); };
-  std::stable_sort(sorted.begin(), sorted.end(),
-                   [&](const auto* a, const auto* b) { return key(a) > key(b); });
+  std::stable_sort(sorted.begin(), sorted.end(), [&](const auto* a, const auto* b) { return key(a) > key(b); });
   return sorted;
 }
 
@@ -46,10 +45,10 @@ std::string gain_text(const v1::Candidate& winner, const Names& names) {
     return fmt::format("a score of {}", general(winner.score()));
   }
   const double drop = winner.cost_without_look() - winner.expected_cost();
-  std::string text = fmt::format(
-      "a look by {} brings the expected cost of track {} from {} down to {}: a gain of {}",
-      names.radar(winner.radar()), names.track(winner.track()), general(winner.cost_without_look()),
-      general(winner.expected_cost()), general(winner.score()));
+  std::string text =
+      fmt::format("a look by {} brings the expected cost of track {} from {} down to {}: a gain of {}",
+                  names.radar(winner.radar()), names.track(winner.track()), general(winner.cost_without_look()),
+                  general(winner.expected_cost()), general(winner.score()));
   // What is missing between the drop and the gain is what the policy charges for the look. Six digits are
   // shown.
   const double charge = drop - winner.score();
@@ -72,13 +71,11 @@ std::string reason_text(const v1::Candidate& winner, const v1::ScanReport& repor
   const std::string gain = gain_text(winner, names);
   if (left == 0) return gain + "; no other pair was feasible";
   if (better > 0) {
-    return fmt::format(
-        "{}; {} of the {} candidates left have more: the policy keeps an order or a limit of its own", gain,
-        better, left);
+    return fmt::format("{}; {} of the {} candidates left have more: the policy keeps an order or a limit of its own",
+                       gain, better, left);
   }
   if (equal > 0) {
-    return fmt::format("{}; {} of the {} candidates left have as much: the policy broke the tie", gain, equal,
-                       left);
+    return fmt::format("{}; {} of the {} candidates left have as much: the policy broke the tie", gain, equal, left);
   }
   return fmt::format("{}; none of the {} candidates left has more", gain, left);
 }
@@ -136,9 +133,8 @@ Lines explain(const v1::Snapshot& snapshot, const Page& page) {
                {"expected cost", true, 1}});
   for (const v1::Candidate* c : sorted) {
     const bool chosen = is_chosen(*c, report);
-    table.add({chosen ? "*" : "", names.radar(c->radar()), fmt::format("{}", c->track()),
-               names.track_name(c->track()), general(c->score()),
-               c->has_cost_without_look() ? general(c->cost_without_look()) : "-",
+    table.add({chosen ? "*" : "", names.radar(c->radar()), fmt::format("{}", c->track()), names.track_name(c->track()),
+               general(c->score()), c->has_cost_without_look() ? general(c->cost_without_look()) : "-",
                c->has_expected_cost() ? general(c->expected_cost()) : "-"},
               chosen ? Mark::kBold : Mark::kPlain);
   }

@@ -25,8 +25,7 @@ std::string lower(std::string text) {
 std::string run_word(v1::Status::Run run) { return lower(v1::Status::Run_Name(run)); }
 
 // A parameter's value as the command line takes it: enumerators in lower case, doubles at their shortest.
-std::string value_text(const google::protobuf::Message& message,
-                       const google::protobuf::FieldDescriptor& field) {
+std::string value_text(const google::protobuf::Message& message, const google::protobuf::FieldDescriptor& field) {
   using google::protobuf::FieldDescriptor;
   const google::protobuf::Reflection& values = *message.GetReflection();
   switch (field.cpp_type()) {
@@ -90,16 +89,14 @@ std::string policy_text(const v1::Policy& policy) {
   const google::protobuf::Message& parameters = policy.GetReflection()->GetMessage(policy, set.front());
   std::vector<const google::protobuf::FieldDescriptor*> fields;
   parameters.GetReflection()->ListFields(parameters, &fields);
-  for (const auto* field : fields)
-    text += fmt::format(":{}={}", field->name(), value_text(parameters, *field));
+  for (const auto* field : fields) text += fmt::format(":{}={}", field->name(), value_text(parameters, *field));
   return text;
 }
 
 std::string headline(const v1::Status& status, std::int64_t time_ns) {
-  std::string text =
-      fmt::format("{}  scan {}  t {} s  radars {}/{} up  tracks {}", run_word(status.run()), status.scan(),
-                  fixed(static_cast<double>(time_ns) / 1e9, 1), status.radars_up(), status.radars(),
-                  status.tracks_confirmed() + status.tracks_coasting());
+  std::string text = fmt::format("{}  scan {}  t {} s  radars {}/{} up  tracks {}", run_word(status.run()),
+                                 status.scan(), fixed(static_cast<double>(time_ns) / 1e9, 1), status.radars_up(),
+                                 status.radars(), status.tracks_confirmed() + status.tracks_coasting());
   if (status.tracks_coasting() > 0) text += fmt::format(" ({} coasting)", status.tracks_coasting());
   if (status.tracks_lost() > 0) text += fmt::format("  lost {}", status.tracks_lost());
   return text;
@@ -110,10 +107,9 @@ Lines format_status(const v1::Status& status) {
               {"scan", fmt::format("{}", status.scan())},
               {"policy", printable(status.policy())},
               {"radars", fmt::format("{} of {} up", status.radars_up(), status.radars())},
-              {"tracks",
-               fmt::format("{} confirmed, {} coasting", status.tracks_confirmed(), status.tracks_coasting())},
-              {"tracks given up", fmt::format("{} lost, {} dropped after their target had ended",
-                                              status.tracks_lost(), status.tracks_dropped())},
+              {"tracks", fmt::format("{} confirmed, {} coasting", status.tracks_confirmed(), status.tracks_coasting())},
+              {"tracks given up", fmt::format("{} lost, {} dropped after their target had ended", status.tracks_lost(),
+                                              status.tracks_dropped())},
               {"filter failures", fmt::format("{}", status.filter_failures())},
               {"seed", fmt::format("{}", status.seed())},
               {"messages", fmt::format("{} published", status.last_sequence())}};
@@ -128,8 +124,8 @@ Lines format_status(const v1::Status& status) {
                      fmt::format("{} us median, {} us 99th percentile", general(clock.scan_duration_p50_us()),
                                  general(clock.scan_duration_p99_us())));
   facts.emplace_back("missed scans", fmt::format("{}", clock.missed_scans()));
-  facts.emplace_back("requests", fmt::format("{} refused, {} unreadable", clock.requests_refused(),
-                                             clock.requests_unreadable()));
+  facts.emplace_back("requests",
+                     fmt::format("{} refused, {} unreadable", clock.requests_refused(), clock.requests_unreadable()));
   return align(facts);
 }
 
@@ -147,8 +143,7 @@ Lines format_policies(const v1::PolicyList& policies, const Page& page) {
     std::string what = printable(entry.summary());
     if (entry.parameter().empty()) table.add({star, name, "-", "", "", what}, mark);
     for (const v1::PolicyParameter& p : entry.parameter()) {
-      table.add({star, name, printable(p.name()), printable(p.default_value()), printable(p.rule()), what},
-                mark);
+      table.add({star, name, printable(p.name()), printable(p.default_value()), printable(p.rule()), what}, mark);
       star = name = what = "";  // stand once, in the policy's first row
     }
   }
@@ -166,12 +161,12 @@ Lines format_radars(const v1::RadarList& radars, const Page& page) {
                {"N km", true, 1}});
   for (const v1::RadarState& radar : radars.radar()) {
     const double share = static_cast<double>(radar.detections()) / static_cast<double>(radar.looks());
-    table.add({fmt::format("{}", radar.number()), printable(radar.name()), radar.up() ? "up" : "down",
-               fmt::format("{}", radar.looks()), fmt::format("{}", radar.detections()),
-               radar.looks() > 0 ? fixed(100 * share, 1) + " %" : "-",
-               radar.has_x_m() ? fixed(radar.x_m() / 1e3, 3) : "-",
-               radar.has_y_m() ? fixed(radar.y_m() / 1e3, 3) : "-"},
-              radar.up() ? Mark::kPlain : Mark::kWarning);
+    table.add(
+        {fmt::format("{}", radar.number()), printable(radar.name()), radar.up() ? "up" : "down",
+         fmt::format("{}", radar.looks()), fmt::format("{}", radar.detections()),
+         radar.looks() > 0 ? fixed(100 * share, 1) + " %" : "-", radar.has_x_m() ? fixed(radar.x_m() / 1e3, 3) : "-",
+         radar.has_y_m() ? fixed(radar.y_m() / 1e3, 3) : "-"},
+        radar.up() ? Mark::kPlain : Mark::kWarning);
   }
   return table.lines(page, "radars");
 }

@@ -64,9 +64,8 @@ void Picture::forget_lost() {
 v1::Status Picture::status() const {
   v1::Status status = status_;
   const auto count = [&](v1::Track::State wanted) {
-    return static_cast<std::uint32_t>(std::count_if(tracks_.begin(), tracks_.end(), [&](const auto& item) {
-      return item.second.track.status() == wanted;
-    }));
+    return static_cast<std::uint32_t>(std::count_if(
+        tracks_.begin(), tracks_.end(), [&](const auto& item) { return item.second.track.status() == wanted; }));
   };
   status.set_tracks_confirmed(count(v1::Track::CONFIRMED));
   status.set_tracks_coasting(count(v1::Track::COASTING));

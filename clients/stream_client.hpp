@@ -65,8 +65,7 @@ class Follower {
   bool holding_ = true;
   std::optional<std::uint64_t> epoch_;
   std::optional<std::uint64_t> snapshot_;  // its sequence; absent when going on without
-  std::optional<std::uint64_t>
-      expected_;  // sequence of the next message; absent before the first of an epoch
+  std::optional<std::uint64_t> expected_;  // sequence of the next message; absent before the first of an epoch
   Losses losses_;
 };
 

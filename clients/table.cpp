@@ -18,8 +18,7 @@ Table::Table(std::vector<Column> columns) : columns_(std::move(columns)) {
 }
 
 void Table::add(std::vector<std::string> cells, Mark mark) {
-  for (std::size_t i = 0; i < columns_.size(); ++i)
-    widths_[i] = std::max(widths_[i], display_width(cells.at(i)));
+  for (std::size_t i = 0; i < columns_.size(); ++i) widths_[i] = std::max(widths_[i], display_width(cells.at(i)));
   rows_.push_back({std::move(cells), mark});
 }
 

@@ -10,7 +10,7 @@ namespace dwell::client {
 struct Column {
   std::string header;
   bool right = false;  // numbers stand right
-  int rank = 0;  // where the page is too narrow the columns of the highest rank go first; 0 always stays
+  int rank = 0;        // where the page is too narrow the columns of the highest rank go first; 0 always stays
 };
 
 /// A table as wide as its cells, made to fit a page: columns are dropped by rank, rows beyond it are counted

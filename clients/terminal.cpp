@@ -45,8 +45,7 @@ void write_out(const std::string& text) {
       poll(&writable, 1, -1);
       continue;
     }
-    if (written < 0)
-      throw std::system_error(errno, std::generic_category(), "cannot write to standard output");
+    if (written < 0) throw std::system_error(errno, std::generic_category(), "cannot write to standard output");
     left.remove_prefix(static_cast<std::size_t>(written));
   }
 }
@@ -67,8 +66,7 @@ std::optional<int> Signals::next() {
   return static_cast<int>(info.ssi_signo);
 }
 
-Screen::Screen()
-    : keyboard_(isatty(STDIN_FILENO) == 1 && tcgetattr(STDIN_FILENO, &saved_) == 0 ? STDIN_FILENO : -1) {
+Screen::Screen() : keyboard_(isatty(STDIN_FILENO) == 1 && tcgetattr(STDIN_FILENO, &saved_) == 0 ? STDIN_FILENO : -1) {
   enter();
 }
 
@@ -119,8 +117,7 @@ bool Screen::quit_pressed() {
     const ssize_t count = read(keyboard_, keys.data(), keys.size());
     if (count <= 0) {
       keyboard_ = -1;  // hung up: no more keys
-    } else if (std::string_view(keys.data(), static_cast<std::size_t>(count)).find('q') !=
-               std::string_view::npos) {
+    } else if (std::string_view(keys.data(), static_cast<std::size_t>(count)).find('q') != std::string_view::npos) {
       return true;
     }
   }

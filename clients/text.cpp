@@ -33,8 +33,8 @@ CodePoint decode(std::string_view text) {
 // Besides the control characters proper: line breaks, and the marks that turn the direction of the text
 // round.
 bool is_control(char32_t c) {
-  return c < 0x20 || (c >= 0x7F && c < 0xA0) || (c >= 0x200B && c <= 0x200F) ||
-         (c >= 0x2028 && c <= 0x202E) || (c >= 0x2066 && c <= 0x2069) || c == 0xFEFF;
+  return c < 0x20 || (c >= 0x7F && c < 0xA0) || (c >= 0x200B && c <= 0x200F) || (c >= 0x2028 && c <= 0x202E) ||
+         (c >= 0x2066 && c <= 0x2069) || c == 0xFEFF;
 }
 
 // The ranges of East Asian Width W and F (Unicode TR 11), coarsely; and the combining marks that take no

@@ -64,8 +64,8 @@ TrackFigures figures(const v1::Track& track, std::int64_t time_ns) {
     }
   }
   if (track.covariance_size() >= kCovarianceSize) {
-    result.sigma_m = semi_major_axis(track.covariance(kVarianceX), track.covariance(kCovarianceXY),
-                                     track.covariance(kVarianceY));
+    result.sigma_m =
+        semi_major_axis(track.covariance(kVarianceX), track.covariance(kCovarianceXY), track.covariance(kVarianceY));
   }
   if (track.has_last_look_time_ns()) {
     result.age_of_look_s = static_cast<double>(time_ns - track.last_look_time_ns()) / 1e9;
@@ -114,26 +114,24 @@ TrackTable::TrackTable(int columns)
 
 void TrackTable::add(const v1::Track& track, const Names& names, std::int64_t time_ns, bool looked_at) {
   const TrackFigures f = figures(track, time_ns);
-  table_.add({fmt::format("{}", track.id()), clip(printable(track.name()), longest_name_),
-              status_word(track.status()), cell(f.east_km, 2), cell(f.north_km, 2), cell(f.speed_mps, 0),
-              heading_cell(f.heading_deg), cell(f.sigma_m, 0), mode_text(track),
-              clip(radar_cell(track, names), longest_name_), cell(f.age_of_look_s, 1)},
-             mark_of(track.status(), looked_at));
+  table_.add(
+      {fmt::format("{}", track.id()), clip(printable(track.name()), longest_name_), status_word(track.status()),
+       cell(f.east_km, 2), cell(f.north_km, 2), cell(f.speed_mps, 0), heading_cell(f.heading_deg), cell(f.sigma_m, 0),
+       mode_text(track), clip(radar_cell(track, names), longest_name_), cell(f.age_of_look_s, 1)},
+      mark_of(track.status(), looked_at));
 }
 
 std::string track_line_header() {
-  return fmt::format("# {:>10} {:>5} {:<12} {:<9} {:>10} {:>10} {:>8} {:>3} {:>9} {:<10} {:>7} {}", "time_s",
-                     "id", "name", "status", "east_km", "north_km", "speed_ms", "hdg", "sigma_m", "radar",
-                     "age_s", "modes");
+  return fmt::format("# {:>10} {:>5} {:<12} {:<9} {:>10} {:>10} {:>8} {:>3} {:>9} {:<10} {:>7} {}", "time_s", "id",
+                     "name", "status", "east_km", "north_km", "speed_ms", "hdg", "sigma_m", "radar", "age_s", "modes");
 }
 
 std::string track_line(const v1::Track& track, const Names& names, std::int64_t time_ns) {
   const TrackFigures f = figures(track, time_ns);
   return fmt::format("{:>12.3f} {:>5} {:<12} {:<9} {:>10} {:>10} {:>8} {:>3} {:>9} {:<10} {:>7} {}",
-                     static_cast<double>(time_ns) / 1e9, track.id(), field(track.name()),
-                     status_word(track.status()), cell(f.east_km, 3), cell(f.north_km, 3),
-                     cell(f.speed_mps, 1), heading_cell(f.heading_deg), cell(f.sigma_m, 1),
-                     field(radar_cell(track, names)), cell(f.age_of_look_s, 3), mode_text(track));
+                     static_cast<double>(time_ns) / 1e9, track.id(), field(track.name()), status_word(track.status()),
+                     cell(f.east_km, 3), cell(f.north_km, 3), cell(f.speed_mps, 1), heading_cell(f.heading_deg),
+                     cell(f.sigma_m, 1), field(radar_cell(track, names)), cell(f.age_of_look_s, 3), mode_text(track));
 }
 
 }  // namespace dwell::client

@@ -216,8 +216,7 @@ void Watch::tell_losses() {
 Supply Watch::supply() const {
   const auto silent = std::chrono::floor<std::chrono::seconds>(Clock::now() - last_message_);
   // A fast run sends its status by stream time: while it is paused there is nothing to hear.
-  const bool may_be_silent =
-      picture_.status().run() == v1::Status::PAUSED && !picture_.status().has_wall_clock();
+  const bool may_be_silent = picture_.status().run() == v1::Status::PAUSED && !picture_.status().has_wall_clock();
   return {.stream = stream_endpoint_,
           .control = control_.options().endpoint,
           .silent_s = may_be_silent ? 0 : silent.count(),

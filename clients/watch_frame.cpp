@@ -43,9 +43,8 @@ std::string decision_text(const Picture& picture) {
   if (scan->look().empty()) return "last look: none, no pair was feasible";
   std::string text;
   for (const v1::Look& look : scan->look()) {
-    text +=
-        fmt::format("{}{} -> {}{}", text.empty() ? "last look: " : ", ", picture.names().radar(look.radar()),
-                    picture.names().track(look.track()), look.has_used_plot() ? "" : " (no plot)");
+    text += fmt::format("{}{} -> {}{}", text.empty() ? "last look: " : ", ", picture.names().radar(look.radar()),
+                        picture.names().track(look.track()), look.has_used_plot() ? "" : " (no plot)");
   }
   if (scan->has_margin()) text += ", margin " + general(scan->margin());
   if (scan->fell_back()) text += ", fell back to a cheaper policy";
@@ -72,8 +71,7 @@ Lines watch_frame(const Picture& picture, const Supply& supply, const Page& page
   }
   const Page rest{page.columns, page.rows - static_cast<int>(lines.size())};
   for (Line& line : table.lines(rest)) lines.push_back(std::move(line));
-  if (static_cast<int>(lines.size()) > page.rows)
-    lines.resize(static_cast<std::size_t>(std::max(page.rows, 1)));
+  if (static_cast<int>(lines.size()) > page.rows) lines.resize(static_cast<std::size_t>(std::max(page.rows, 1)));
   return lines;
 }
 

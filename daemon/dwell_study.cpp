@@ -6,8 +6,8 @@
 
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <spdlog/fmt/fmt.h>
+#include <CLI/CLI.hpp>
 
 #include "daemon/config/config_reader.hpp"
 #include "daemon/config/policy_reader.hpp"

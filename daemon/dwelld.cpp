@@ -8,12 +8,12 @@
 #include <sys/signalfd.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <google/protobuf/stubs/logging.h>
 #include <google/protobuf/text_format.h>
 #include <spdlog/async.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <CLI/CLI.hpp>
 
 #include "daemon/config/config_reader.hpp"
 #include "daemon/exit_code.hpp"
@@ -39,7 +39,8 @@ void add_options(CLI::App& app, Flags& flags) {
   auto* fast = app.add_flag("--fast", flags.fast, "as fast as possible instead of one scan per scan period");
   app.add_option("--scans", flags.scans, "end after so many scans")->check(CLI::PositiveNumber);
   auto* seed = app.add_option("--seed", flags.seed, "instead of the config's")->check(CLI::NonNegativeNumber);
-  app.add_option("--wait-subscribers", flags.wait_subscribers, "hold the first scan until so many subscriptions are there")
+  app.add_option("--wait-subscribers", flags.wait_subscribers,
+                 "hold the first scan until so many subscriptions are there")
       ->check(CLI::NonNegativeNumber);
   auto* check = app.add_flag("--check-config", flags.check_config, "print the effective config and end");
   auto* record = app.add_option("--record", flags.record, "write a journal of the run to a new file");

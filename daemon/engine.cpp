@@ -21,7 +21,8 @@ DiscreteBank bank_of(const EngineConfig& config) {
   return std::move(*bank);
 }
 
-/// Room for the plots of a look: every target, and more false alarms than a Poisson count of that mean has once in 1e20.
+/// Room for the plots of a look: every target, and more false alarms than a Poisson count of that mean has once in
+/// 1e20.
 std::size_t most_plots(const Sensor& sensor, std::size_t targets) {
   if (sensor.clutter_density() <= 0.0) return targets;
   const Vector2 half = sensor.footprint_half_extent();
@@ -35,11 +36,11 @@ std::size_t most_plots(const Sensor& sensor, std::size_t targets) {
 struct Engine::Target {
   const TargetConfig* config;
   TargetId id;
-  int life = 1;                 // counts the repeats of a recording
+  int life = 1;  // counts the repeats of a recording
   TimePoint start;
   std::unique_ptr<Trajectory> trajectory;
-  std::optional<State> state;   // where it is now
-  bool tracked = false;         // has had its track in this life
+  std::optional<State> state;  // where it is now
+  bool tracked = false;        // has had its track in this life
 
   /// Names of its random streams and of its track: the config's, with the life from the second on.
   std::string name() const { return life == 1 ? config->name : config->name + "#" + std::to_string(life); }
@@ -47,9 +48,9 @@ struct Engine::Target {
 
 /// What the simulation knows of a track and the tracker does not.
 struct Engine::TruthLink {
-  std::size_t target;   // index of targets_
-  TargetId id;          // of the life that the track was started for
-  int far_looks = 0;    // consecutive detected looks with the truth far from the prediction
+  std::size_t target;  // index of targets_
+  TargetId id;         // of the life that the track was started for
+  int far_looks = 0;   // consecutive detected looks with the truth far from the prediction
 };
 
 Engine::Engine(const EngineConfig& config)
@@ -131,8 +132,7 @@ void Engine::restart(Target& target) {
   target.id = TargetId{++last_target_number_};
   target.start = report_.time;
   target.tracked = false;
-  target.trajectory =
-      make_trajectory(*target.config, target.start, config_.scan_period, root_, target.name());
+  target.trajectory = make_trajectory(*target.config, target.start, config_.scan_period, root_, target.name());
 }
 
 void Engine::predict_tracks() {
@@ -190,8 +190,8 @@ void Engine::list_feasible_pairs() {
 }
 
 void Engine::choose() {
-  const Situation situation{report_.time, config_.looks_per_scan, config_.tracker.update,
-                            sensor_views_, usage_cost_, tracks_, feasible_};
+  const Situation situation{
+      report_.time, config_.looks_per_scan, config_.tracker.update, sensor_views_, usage_cost_, tracks_, feasible_};
   policy_->decide(situation, report_.decision);
   report_.policy = policy_->name();
   report_.looks.clear();
@@ -221,8 +221,8 @@ void Engine::compare_with_truth(std::size_t track) {
   TruthLink& link = links_[track];
   const Target& target = targets_[link.target];
   const bool same_life = target.id == link.id && target.state;
-  const bool detected = std::any_of(look_plots_.begin(), look_plots_.end(),
-                                    [&](const Plot& plot) { return plot.source == link.id; });
+  const bool detected =
+      std::any_of(look_plots_.begin(), look_plots_.end(), [&](const Plot& plot) { return plot.source == link.id; });
   if (!same_life || !detected) return;
   const bool far = position_nees(*target.state, tracks_[track].combined) > config_.lost_squared_distance;
   link.far_looks = far ? link.far_looks + 1 : 0;

@@ -42,11 +42,11 @@ struct ScanReport {
 
 /// Totals since the start.
 struct EngineCounts {
-  std::uint64_t tracks_lost = 0;       ///< while their target lived
-  std::uint64_t tracks_dropped = 0;    ///< after their target had ended
-  std::uint64_t filter_failures = 0;   ///< of the two, those for numerical reasons
-  std::vector<std::uint64_t> looks;        ///< of each sensor
-  std::vector<std::uint64_t> detections;   ///< of each sensor: looks whose track got a plot
+  std::uint64_t tracks_lost = 0;          ///< while their target lived
+  std::uint64_t tracks_dropped = 0;       ///< after their target had ended
+  std::uint64_t filter_failures = 0;      ///< of the two, those for numerical reasons
+  std::vector<std::uint64_t> looks;       ///< of each sensor
+  std::vector<std::uint64_t> detections;  ///< of each sensor: looks whose track got a plot
 };
 
 /// The simulated world, the tracks and the policy: one scan at a time, without I/O and without a clock. The same
@@ -105,9 +105,9 @@ class Engine {
   std::vector<bool> sensor_up_;
 
   std::vector<Target> targets_;
-  std::vector<TargetTruth> truth_;   // of the living targets, in order
+  std::vector<TargetTruth> truth_;  // of the living targets, in order
   std::vector<Track> tracks_;
-  std::vector<TruthLink> links_;     // beside tracks_
+  std::vector<TruthLink> links_;  // beside tracks_
   std::vector<Pair> feasible_;
   std::vector<Plot> look_plots_;
   std::uint32_t last_track_number_ = 0;

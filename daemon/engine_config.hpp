@@ -64,10 +64,10 @@ struct FirstPlotStart {
 
 struct TargetConfig {
   std::string name;
-  TimePoint start;                             ///< a whole number of scan periods
-  std::optional<Duration> duration;            ///< empty: unlimited, or the recording's length
+  TimePoint start;                   ///< a whole number of scan periods
+  std::optional<Duration> duration;  ///< empty: unlimited, or the recording's length
   std::variant<ScriptedMotion, JumpMarkovMotion, RecordedMotion> motion;
-  double weight = 1.0;                         ///< multiplies its cost in every policy and metric
+  double weight = 1.0;  ///< multiplies its cost in every policy and metric
   std::variant<CuedStart, FirstPlotStart> track_start;
 };
 

@@ -115,8 +115,7 @@ Journal read_journal(const std::filesystem::path& file) {
         refuse("version", std::to_string(journal.header.version()), "must be " + std::to_string(kVersion));
       }
     } else if (record.has_request()) {
-      const bool ordered =
-          journal.requests.empty() || journal.requests.back().scan() <= record.request().scan();
+      const bool ordered = journal.requests.empty() || journal.requests.back().scan() <= record.request().scan();
       if (!ordered) refuse("request.scan", std::to_string(record.request().scan()), "must not go back");
       journal.requests.push_back(std::move(*record.mutable_request()));
     } else if (record.has_end()) {

@@ -158,8 +158,8 @@ void Run::set_policy(const v1::Request& request, v1::Reply& reply) {
 void Run::set_radar(const v1::Request& request, v1::Reply& reply) {
   const std::string& name = request.set_radar().name();
   const auto& sensors = engine_.config().sensors;
-  const auto found = std::find_if(sensors.begin(), sensors.end(),
-                                  [&](const SensorConfig& sensor) { return sensor.name == name; });
+  const auto found =
+      std::find_if(sensors.begin(), sensors.end(), [&](const SensorConfig& sensor) { return sensor.name == name; });
   if (found == sensors.end()) {
     std::string names;
     for (const SensorConfig& sensor : sensors) names += (names.empty() ? "" : ", ") + sensor.name;

@@ -10,9 +10,9 @@
 namespace dwell {
 
 struct ServiceOptions {
-  bool fast = false;                     ///< no wall clock: scans as fast as they come, statuses by stream time
-  std::optional<std::uint64_t> scans;    ///< end after so many
-  int wait_subscribers = 0;              ///< before the first scan
+  bool fast = false;                       ///< no wall clock: scans as fast as they come, statuses by stream time
+  std::optional<std::uint64_t> scans;      ///< end after so many
+  int wait_subscribers = 0;                ///< before the first scan
   std::vector<v1::JournalRequest> replay;  ///< to apply before their scans
   bool replaying = false;
   std::string end_reason = "all scans done";  ///< after `scans`

@@ -9,7 +9,7 @@ namespace dwell {
 namespace {
 
 // Chosen against libzmq's defaults: wait for ever on exit, 30 s for a handshake, dead peers unseen, no size limit.
-constexpr int kLinger_ms = 1000;             // the end of the stream goes out; SIGTERM still ends within 2 s
+constexpr int kLinger_ms = 1000;  // the end of the stream goes out; SIGTERM still ends within 2 s
 constexpr int kHandshake_ms = 2000;
 constexpr int kHeartbeat_ms = 2000;
 constexpr int kHeartbeatTimeout_ms = 6000;

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include <Eigen/Eigenvalues>
 #include <spdlog/fmt/fmt.h>
+#include <Eigen/Eigenvalues>
 
 #include "radar/frames.hpp"
 #include "tracker/metrics/nees.hpp"
@@ -38,7 +38,8 @@ void Summary::add(const Engine& engine) {
     Row& row = rows_[track.name];
     row.status = status_text(track.status);
     row.state = track.combined.mean;
-    row.sigma_m = std::sqrt(position_block(track.combined.covariance).selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff());
+    row.sigma_m =
+        std::sqrt(position_block(track.combined.covariance).selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff());
     if (truth == report.truth.end() || truth->track != track.id) continue;
     ++row.scans;
     row.squared_error_m2 += (position(truth->state) - position(track.combined.mean)).squaredNorm();
@@ -70,7 +71,8 @@ std::string Summary::text(const Engine& engine) const {
     const Vector2 v = velocity(row.state);
     text += fmt::format("{:<20} {:<10} {:>9.3f} {:>9.3f} {:>7.1f} {:>7.1f} {:>9.1f} {:>7} {:>11.2f} {:>7.2f}\n", name,
                         row.status, 1e-3 * row.state[kX], 1e-3 * row.state[kY], v.norm(), heading_deg(v), row.sigma_m,
-                        row.updates, std::sqrt(row.squared_error_m2 / static_cast<double>(std::max<std::uint64_t>(row.scans, 1))),
+                        row.updates,
+                        std::sqrt(row.squared_error_m2 / static_cast<double>(std::max<std::uint64_t>(row.scans, 1))),
                         row.nees_at_updates / 4.0 / static_cast<double>(std::max<std::uint64_t>(row.updates, 1)));
   }
   text += fmt::format("\n{:<20} {:>9} {:>11}\n", "radar", "looks", "with plot");

@@ -21,15 +21,15 @@ class Summary {
 
  private:
   struct Row {
-    State state = State::Zero();       // of the track, at its last scan
-    double sigma_m = 0.0;              // largest 1-sigma of position there
+    State state = State::Zero();  // of the track, at its last scan
+    double sigma_m = 0.0;         // largest 1-sigma of position there
     std::string status;
     std::uint64_t scans = 0;
-    double squared_error_m2 = 0.0;     // sum over scans
+    double squared_error_m2 = 0.0;  // sum over scans
     std::uint64_t updates = 0;
-    double nees_at_updates = 0.0;      // sum over updates
+    double nees_at_updates = 0.0;  // sum over updates
   };
-  std::map<std::string, Row> rows_;    // by track name
+  std::map<std::string, Row> rows_;  // by track name
 };
 
 }  // namespace dwell

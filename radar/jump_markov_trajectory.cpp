@@ -19,8 +19,7 @@ State spiral(const State& x, double w, double d, double dt_s) {
 
 }  // namespace
 
-int draw_index(const Eigen::Ref<const Eigen::RowVectorXd, 0, Eigen::InnerStride<>>& probability,
-               RandomStream& stream) {
+int draw_index(const Eigen::Ref<const Eigen::RowVectorXd, 0, Eigen::InnerStride<>>& probability, RandomStream& stream) {
   double left = stream.uniform();
   int index = 0;
   for (; index + 1 < probability.size(); ++index) {

@@ -58,7 +58,6 @@ class JumpMarkovTrajectory final : public Trajectory {
 };
 
 /// An index drawn with the given probabilities (summing to one). Takes a row of a matrix without copying it.
-int draw_index(const Eigen::Ref<const Eigen::RowVectorXd, 0, Eigen::InnerStride<>>& probability,
-               RandomStream& stream);
+int draw_index(const Eigen::Ref<const Eigen::RowVectorXd, 0, Eigen::InnerStride<>>& probability, RandomStream& stream);
 
 }  // namespace dwell

@@ -30,8 +30,7 @@ double RangeBearingRadar::range_sigma_m(double range_m) const {
 }
 
 double RangeBearingRadar::azimuth_sigma_rad(double range_m) const {
-  return std::hypot(figures_.beamwidth_rad / (1.6 * std::sqrt(2.0 * snr(range_m))),
-                    figures_.azimuth_noise_floor_rad);
+  return std::hypot(figures_.beamwidth_rad / (1.6 * std::sqrt(2.0 * snr(range_m))), figures_.azimuth_noise_floor_rad);
 }
 
 Vector2 RangeBearingRadar::measure(const State& x) const {
@@ -62,8 +61,7 @@ double RangeBearingRadar::detection_probability(const State& x) const {
 bool RangeBearingRadar::covers(const State& x) const {
   const Polar polar = to_polar(figures_.position_m, position(x));
   return polar.range_m >= kLeastRange && polar.range_m <= figures_.max_range_m &&
-         std::abs(azimuth_difference(polar.azimuth_rad, figures_.sector_centre_rad)) <=
-             0.5 * figures_.sector_width_rad;
+         std::abs(azimuth_difference(polar.azimuth_rad, figures_.sector_centre_rad)) <= 0.5 * figures_.sector_width_rad;
 }
 
 std::optional<Vector2> RangeBearingRadar::position_of(const Vector2& z) const {

@@ -29,7 +29,7 @@ struct RadarFigures {
   Vector2 position_m = Vector2::Zero();
   double beamwidth_rad = 1.0 * kDegree;
   double pulse_length_s = 50e-9;
-  double snr_reference = 1e5;          ///< ratio, 50 dB: scenario 1 of Evans
+  double snr_reference = 1e5;  ///< ratio, 50 dB: scenario 1 of Evans
   double reference_range_m = 100e3;
   double range_noise_floor_m = 0.0;
   double azimuth_noise_floor_rad = 0.0;
@@ -37,9 +37,9 @@ struct RadarFigures {
   double max_range_m = std::numeric_limits<double>::infinity();
   double sector_centre_rad = 0.0;
   double sector_width_rad = 360.0 * kDegree;
-  double clutter_density = 0.0;        ///< per metre and radian
+  double clutter_density = 0.0;              ///< per metre and radian
   double dwell_azimuth_rad = 3.0 * kDegree;  ///< half width: three of the default beamwidths
-  double dwell_range_m = 10e3;         ///< half depth: a 10 s coast at 1000 m/s stays inside
+  double dwell_range_m = 10e3;               ///< half depth: a 10 s coast at 1000 m/s stays inside
 };
 
 class RangeBearingRadar final : public Sensor {

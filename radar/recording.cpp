@@ -128,8 +128,8 @@ Eigen::Matrix3Xd natural_curvature(const std::vector<Duration>& times, const Eig
     const double right = width(i);
     const double pivot = 2.0 * (left + right) - left * upper[i - 1];
     upper[i] = right / pivot;
-    const Eigen::Vector3d rise = (points.col(i + 1) - points.col(i)) / right -
-                                 (points.col(i) - points.col(i - 1)) / left;
+    const Eigen::Vector3d rise =
+        (points.col(i + 1) - points.col(i)) / right - (points.col(i) - points.col(i - 1)) / left;
     m.col(i) = (6.0 * rise - left * m.col(i - 1)) / pivot;
   }
   for (Eigen::Index i = n - 2; i > 0; --i) m.col(i) -= upper[i] * m.col(i + 1);
@@ -206,8 +206,7 @@ State FlightPath::state(Duration since_begin) const {
   const auto y0 = points_.col(i), y1 = points_.col(i + 1);
   const auto m0 = curvature_.col(i), m1 = curvature_.col(i + 1);
   const Eigen::Vector3d place = a * y0 + b * y1 + h * h / 6.0 * ((a * a * a - a) * m0 + (b * b * b - b) * m1);
-  const Eigen::Vector3d rate =
-      (y1 - y0) / h + h / 6.0 * ((1.0 - 3.0 * a * a) * m0 + (3.0 * b * b - 1.0) * m1);
+  const Eigen::Vector3d rate = (y1 - y0) / h + h / 6.0 * ((1.0 - 3.0 * a * a) * m0 + (3.0 * b * b - 1.0) * m1);
   return make_state(place.head<2>(), rate.head<2>());
 }
 

@@ -22,7 +22,7 @@ struct Script {
   TimePoint start;
   TimePoint end = TimePoint::max();
   double altitude_m = 0.0;
-  std::vector<Leg> legs;  ///< in order of time, not overlapping
+  std::vector<Leg> legs;                                 ///< in order of time, not overlapping
   StateMatrix process_noise_root = StateMatrix::Zero();  ///< L, L L' = Q of one scan period
 };
 

@@ -35,9 +35,7 @@ class Sensor {
   /// The position that z stands for; empty for a sensor whose measurement is not a position.
   virtual std::optional<Vector2> position_of(const Vector2& z) const = 0;
   /// What one look returns plots from: h(pointing) +- this. Infinite for a sensor without a beam.
-  virtual Vector2 footprint_half_extent() const {
-    return Vector2::Constant(std::numeric_limits<double>::infinity());
-  }
+  virtual Vector2 footprint_half_extent() const { return Vector2::Constant(std::numeric_limits<double>::infinity()); }
   /// Mean number of false plots per unit of measurement volume (range-bearing: per metre and radian).
   virtual double clutter_density() const { return 0.0; }
   /// The first measurement component lies in [0, this]: where false plots can be.

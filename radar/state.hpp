@@ -19,9 +19,7 @@ inline Vector2 velocity(const State& x) { return {x[kVx], x[kVy]}; }
 inline State make_state(const Vector2& position_m, const Vector2& velocity_mps) {
   return {position_m.x(), velocity_mps.x(), position_m.y(), velocity_mps.y()};
 }
-inline Matrix2 position_block(const StateMatrix& covariance) {
-  return covariance({kX, kY}, {kX, kY});
-}
+inline Matrix2 position_block(const StateMatrix& covariance) { return covariance({kX, kY}, {kX, kY}); }
 
 /// Selects x and y: z = H x.
 inline Eigen::Matrix<double, 2, kStateSize> position_selector() {

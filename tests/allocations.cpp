@@ -23,8 +23,7 @@ long allocations() { return count; }
 
 #ifdef DWELL_SANITIZED_HEAP
 
-extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*malloc_hook)(const volatile void*,
-                                                                             std::size_t),
+extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*malloc_hook)(const volatile void*, std::size_t),
                                                          void (*free_hook)(const volatile void*));
 namespace {
 const int hooks_installed = __sanitizer_install_malloc_and_free_hooks(

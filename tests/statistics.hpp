@@ -101,15 +101,13 @@ Band count_band(LogMass log_mass, int last, double false_alarm) {
 inline Band binomial_band(int trials, double p, double false_alarm = kFalseAlarm) {
   if (p <= 0.0 || p >= 1.0) return {trials * p, trials * p};
   const auto log_mass = [=](int k) {
-    return std::lgamma(trials + 1.0) - std::lgamma(k + 1.0) - std::lgamma(trials - k + 1.0) +
-           k * std::log(p) + (trials - k) * std::log1p(-p);
+    return std::lgamma(trials + 1.0) - std::lgamma(k + 1.0) - std::lgamma(trials - k + 1.0) + k * std::log(p) +
+           (trials - k) * std::log1p(-p);
   };
   return count_band(log_mass, trials, false_alarm);
 }
 
-inline double poisson_log_mass(int k, double mean) {
-  return k * std::log(mean) - mean - std::lgamma(k + 1.0);
-}
+inline double poisson_log_mass(int k, double mean) { return k * std::log(mean) - mean - std::lgamma(k + 1.0); }
 
 inline Band poisson_band(double mean, double false_alarm = kFalseAlarm) {
   // Beyond mean + 20 sqrt(mean) + 100 the tail is under 1e-30.
@@ -151,8 +149,7 @@ inline Fit poisson_fit(std::span<const int> counts, double mean) {
   }
   expected.push_back(above);
   std::vector<double> observed(expected.size(), 0.0);
-  for (const int count : counts)
-    observed[static_cast<std::size_t>(std::clamp(count, low, high) - low)] += 1.0;
+  for (const int count : counts) observed[static_cast<std::size_t>(std::clamp(count, low, high) - low)] += 1.0;
   return {pearson(observed, expected), static_cast<double>(expected.size() - 1)};
 }
 

@@ -10,10 +10,10 @@ struct Gaussian {
 };
 
 /// What a numerical step says of itself. On any error its output must not be used.
-enum class [[nodiscard]] Numerics {
-  kOk,
-  kNotPositiveDefinite,  ///< an innovation covariance S has no Cholesky factor
-  kNotFinite,            ///< NaN or infinity in a likelihood, a mean or a covariance
+enum class [[nodiscard]] Numerics{
+    kOk,
+    kNotPositiveDefinite,  ///< an innovation covariance S has no Cholesky factor
+    kNotFinite,            ///< NaN or infinity in a likelihood, a mean or a covariance
 };
 
 /// The average of a matrix and its transpose: takes away what rounding made asymmetric.

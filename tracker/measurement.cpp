@@ -41,8 +41,8 @@ Vector2 innovation(const Sensor& sensor, UpdateForm form, const Vector2& z, cons
   return converts(sensor, form) ? Vector2(z - predicted) : sensor.residual(z, predicted);
 }
 
-double mixture_squared_distance(const std::vector<PredictedMeasurement>& predicted,
-                                const Eigen::VectorXd& probability, const std::vector<Vector2>& innovation) {
+double mixture_squared_distance(const std::vector<PredictedMeasurement>& predicted, const Eigen::VectorXd& probability,
+                                const std::vector<Vector2>& innovation) {
   Vector2 mean = Vector2::Zero();
   for (std::size_t j = 0; j < predicted.size(); ++j) mean += probability[j] * innovation[j];
   Matrix2 s = Matrix2::Zero();

@@ -38,7 +38,7 @@ Vector2 measurement_of(const Sensor& sensor, UpdateForm form, const Vector2& z);
 Vector2 innovation(const Sensor& sensor, UpdateForm form, const Vector2& z, const Vector2& predicted);
 
 /// The moment-matched innovation's squared distance: NIS, 2 degrees of freedom.
-double mixture_squared_distance(const std::vector<PredictedMeasurement>& predicted,
-                                const Eigen::VectorXd& probability, const std::vector<Vector2>& innovation);
+double mixture_squared_distance(const std::vector<PredictedMeasurement>& predicted, const Eigen::VectorXd& probability,
+                                const std::vector<Vector2>& innovation);
 
 }  // namespace dwell

@@ -27,9 +27,9 @@ struct ModeBank {
 
 /// A bank over one prediction interval: what the filter runs on.
 struct DiscreteBank {
-  std::vector<StateMatrix> f;    ///< F_j
-  std::vector<StateMatrix> q;    ///< Q_j
-  Eigen::MatrixXd transition;    ///< M x M, rows sum to one
+  std::vector<StateMatrix> f;  ///< F_j
+  std::vector<StateMatrix> q;  ///< Q_j
+  Eigen::MatrixXd transition;  ///< M x M, rows sum to one
 
   int size() const { return static_cast<int>(f.size()); }
 };

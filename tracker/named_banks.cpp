@@ -63,8 +63,10 @@ struct NamedBank {
 };
 
 constexpr std::array kBanks{
-    NamedBank{"as_printed", as_printed},           NamedBank{"cruise_and_turn", cruise_and_turn},
-    NamedBank{"evans_practical", evans_practical}, NamedBank{"liu_hwang", liu_hwang},
+    NamedBank{"as_printed", as_printed},
+    NamedBank{"cruise_and_turn", cruise_and_turn},
+    NamedBank{"evans_practical", evans_practical},
+    NamedBank{"liu_hwang", liu_hwang},
 };
 
 }  // namespace

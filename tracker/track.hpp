@@ -25,16 +25,16 @@ enum class LossCause {
 struct Track {
   TrackId id;
   std::string name;
-  double weight = 1.0;          ///< multiplies its cost in every policy
-  ImmEstimate estimate;         ///< at the last scan: predicted, and updated where a look gave a plot
-  Gaussian combined;            ///< moment-matched estimate
+  double weight = 1.0;   ///< multiplies its cost in every policy
+  ImmEstimate estimate;  ///< at the last scan: predicted, and updated where a look gave a plot
+  Gaussian combined;     ///< moment-matched estimate
   TrackStatus status = TrackStatus::kConfirmed;
   std::optional<LossCause> loss;
   int age_scans = 0;
   std::optional<TimePoint> last_look;
-  RadarId last_radar;           ///< meaningful with last_look
-  std::optional<double> nis;    ///< of the last plot used, 2 degrees of freedom
-  int rejections = 0;           ///< consecutive looks whose plots were all outside the gate
+  RadarId last_radar;                 ///< meaningful with last_look
+  std::optional<double> nis;          ///< of the last plot used, 2 degrees of freedom
+  int rejections = 0;                 ///< consecutive looks whose plots were all outside the gate
   double log_miss_probability = 0.0;  ///< of the present run of looks without a plot in the gate
 
   bool alive() const { return status != TrackStatus::kLost; }

@@ -113,8 +113,7 @@ double Tracker::log_density(const Track& track) const {
   double largest = -std::numeric_limits<double>::infinity();
   double sum = 0.0;
   for (std::size_t j = 0; j < measurements_.size(); ++j) {
-    const double term =
-        std::log(track.estimate.probability[j]) + measurements_[j].log_likelihood(innovations_[j]);
+    const double term = std::log(track.estimate.probability[j]) + measurements_[j].log_likelihood(innovations_[j]);
     if (term > largest) {
       sum = sum * std::exp(largest - term) + 1.0;
       largest = term;

@@ -136,8 +136,7 @@ DaemonConfig read_config_file(const std::filesystem::path& file) {
   return read_config_text(text.str(), file.string(), file.parent_path());
 }
 
-DaemonConfig read_config(const v1::Config& config, const std::string& source,
-                         const std::filesystem::path& directory) {
+DaemonConfig read_config(const v1::Config& config, const std::string& source, const std::filesystem::path& directory) {
   return read(config, nullptr, source, directory);
 }
 

@@ -15,8 +15,8 @@ struct DaemonConfig {
   std::string stream_bind = "tcp://127.0.0.1:5556";
   int stream_high_water_mark = 100000;  ///< 30 MB of the usual 300 B messages for a subscriber that stalls
   std::string control_bind = "tcp://127.0.0.1:5557";
-  int study_scans = 60;                 ///< a minute at the default period, as the papers' scenarios
-  v1::Config effective;                 ///< the config with every default written out
+  int study_scans = 60;  ///< a minute at the default period, as the papers' scenarios
+  v1::Config effective;  ///< the config with every default written out
 };
 
 /// Reads a file in protobuf text format.
@@ -26,7 +26,6 @@ DaemonConfig read_config_file(const std::filesystem::path& file);
 /// The same from text or from a message; recordings are looked for relative to `directory`.
 DaemonConfig read_config_text(const std::string& text, const std::string& source,
                               const std::filesystem::path& directory);
-DaemonConfig read_config(const v1::Config& config, const std::string& source,
-                         const std::filesystem::path& directory);
+DaemonConfig read_config(const v1::Config& config, const std::string& source, const std::filesystem::path& directory);
 
 }  // namespace dwell

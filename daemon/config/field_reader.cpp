@@ -64,18 +64,13 @@ const FieldReader::Field* FieldReader::field(const char* name) const {
   return field;
 }
 
-bool FieldReader::has(const char* name) const {
-  return message_->GetReflection()->HasField(*message_, field(name));
-}
+bool FieldReader::has(const char* name) const { return message_->GetReflection()->HasField(*message_, field(name)); }
 
-int FieldReader::count(const char* name) const {
-  return message_->GetReflection()->FieldSize(*message_, field(name));
-}
+int FieldReader::count(const char* name) const { return message_->GetReflection()->FieldSize(*message_, field(name)); }
 
 FieldReader FieldReader::child(const char* name) {
   FieldReader reader(*message_->GetReflection()->MutableMessage(message_, field(name)),
-                     locations_ == nullptr ? nullptr : locations_->GetTreeForNested(field(name), -1),
-                     *violations_);
+                     locations_ == nullptr ? nullptr : locations_->GetTreeForNested(field(name), -1), *violations_);
   reader.prefix_ = prefix_ + name + ".";
   reader.place_ = place_of(field(name), -1);
   return reader;
@@ -83,8 +78,7 @@ FieldReader FieldReader::child(const char* name) {
 
 FieldReader FieldReader::element(const char* name, int index) {
   FieldReader reader(*message_->GetReflection()->MutableRepeatedMessage(message_, field(name), index),
-                     locations_ == nullptr ? nullptr : locations_->GetTreeForNested(field(name), index),
-                     *violations_);
+                     locations_ == nullptr ? nullptr : locations_->GetTreeForNested(field(name), index), *violations_);
   reader.prefix_ = fmt::format("{}{}[{}].", prefix_, name, index + 1);
   reader.place_ = place_of(field(name), index);
   return reader;

@@ -96,7 +96,7 @@ class FieldReader {
   google::protobuf::Message* message_;
   const Locations* locations_;
   std::vector<Violation>* violations_;
-  std::string prefix_;  // path of the message, with its dot
+  std::string prefix_;                                 // path of the message, with its dot
   google::protobuf::TextFormat::ParseLocation place_;  // of the message; from 0, -1 unknown
   std::vector<FieldDescription>* descriptions_ = nullptr;
 };

@@ -161,8 +161,7 @@ std::optional<v1::Policy> parse_policy_text(std::string_view text, std::vector<V
   const std::string name(parts.front());
   const FieldDescriptor* kind = v1::Policy::descriptor()->FindFieldByName(name);
   if (kind == nullptr) {
-    violations.push_back(
-        {"policy", shortened(name, 80), "must be one of: " + field_names(*v1::Policy::descriptor())});
+    violations.push_back({"policy", shortened(name, 80), "must be one of: " + field_names(*v1::Policy::descriptor())});
     return std::nullopt;
   }
   v1::Policy policy;

@@ -66,8 +66,7 @@ Matrix row_major(const std::vector<double>& values, int rows, int columns) {
 template <class Matrix>
 bool is_covariance(const Matrix& matrix) {
   const double scale = matrix.cwiseAbs().maxCoeff();
-  return (matrix - matrix.transpose()).cwiseAbs().maxCoeff() <= 1e-9 * scale &&
-         matrix.llt().info() == Eigen::Success;
+  return (matrix - matrix.transpose()).cwiseAbs().maxCoeff() <= 1e-9 * scale && matrix.llt().info() == Eigen::Success;
 }
 
 }  // namespace dwell

@@ -92,8 +92,7 @@ JumpMarkovMotion read_jump_markov(FieldReader& in, const EngineConfig& config) {
   motion.initial = read_state(in);
   in.number("altitude_m", place_m(), 1.0, motion.altitude_m);
   FieldReader jump = in.child("jump_markov");
-  const ModeBank bank =
-      jump.has("bank") ? read_bank(jump.child("bank"), config.scan_period, config.bank) : config.bank;
+  const ModeBank bank = jump.has("bank") ? read_bank(jump.child("bank"), config.scan_period, config.bank) : config.bank;
   motion.initial_probability = bank.initial_probability;
   for (const Mode& mode : bank.modes) motion.mode_names.push_back(mode.name);
   if (jump.has("initial_mode")) {
@@ -139,8 +138,8 @@ const RecordedFlight* find_flight(FieldReader& in, const std::vector<RecordedFli
   return nullptr;
 }
 
-RecordedMotion read_recorded(FieldReader in, const EngineConfig& config, RecordingShelf& shelf,
-                             TargetConfig& target, std::vector<Violation>& violations) {
+RecordedMotion read_recorded(FieldReader in, const EngineConfig& config, RecordingShelf& shelf, TargetConfig& target,
+                             std::vector<Violation>& violations) {
   RecordedMotion motion;
   std::string file;
   in.required("file");
@@ -154,8 +153,10 @@ RecordedMotion read_recorded(FieldReader in, const EngineConfig& config, Recordi
   std::vector<Violation> problems;
   const auto* flights = shelf.flights(file, problems);
   for (Violation& problem : problems) {
-    if (problem.field == "file") in.refuse("file", in.value("file"), problem.rule);
-    else violations.push_back(std::move(problem));
+    if (problem.field == "file")
+      in.refuse("file", in.value("file"), problem.rule);
+    else
+      violations.push_back(std::move(problem));
   }
   const RecordedFlight* flight = flights == nullptr ? nullptr : find_flight(in, *flights);
   if (flight == nullptr) return motion;
@@ -207,8 +208,7 @@ bool is_multiple(Duration time, Duration scan_period) {
   return scan_period.count() > 0 && time.count() % scan_period.count() == 0;
 }
 
-const std::vector<RecordedFlight>* RecordingShelf::flights(const std::string& file,
-                                                           std::vector<Violation>& problems) {
+const std::vector<RecordedFlight>* RecordingShelf::flights(const std::string& file, std::vector<Violation>& problems) {
   if (bad_.contains(file)) return nullptr;
   if (const auto known = flights_.find(file); known != flights_.end()) return &known->second;
   const std::filesystem::path path = directory_ / file;

@@ -116,8 +116,7 @@ Study run_study(const EngineConfig& config, const std::vector<NamedPolicy>& poli
     for (std::size_t run = 0; run < runs; ++run) {
       if (done[run] != 0) finished_runs.push_back(std::move(results[p][run]));
     }
-    study.policies.push_back(
-        outcome_of(policies[p].name, std::move(finished_runs), to_seconds(config.scan_period)));
+    study.policies.push_back(outcome_of(policies[p].name, std::move(finished_runs), to_seconds(config.scan_period)));
   }
   return study;
 }

@@ -17,7 +17,7 @@ struct NamedPolicy {
 
 struct StudyOptions {
   int runs = 100;
-  std::uint64_t seed = 1;      ///< run r, from 1, has the seed seed + r - 1: `dwelld --seed` repeats it
+  std::uint64_t seed = 1;  ///< run r, from 1, has the seed seed + r - 1: `dwelld --seed` repeats it
   std::uint64_t scans = 60;
   int threads = 1;
   TimeWindow window;
@@ -34,9 +34,9 @@ struct SeriesPoint {
   double x_rms_m = 0.0;
   double y_rms_m = 0.0;
   double position_rms_m = 0.0;
-  double position_rms_low_m = 0.0;   ///< 95 % band of the mean square, as root
+  double position_rms_low_m = 0.0;  ///< 95 % band of the mean square, as root
   double position_rms_high_m = 0.0;
-  double filter_sigma_m = 0.0;       ///< root of the filter's mean position variance
+  double filter_sigma_m = 0.0;  ///< root of the filter's mean position variance
 };
 
 struct PolicyOutcome {
@@ -54,8 +54,8 @@ struct PairedDifference {
   std::size_t a = 0;
   std::size_t b = 0;
   std::size_t metric = 0;
-  double mean = 0.0;      ///< of a - b
-  double low = 0.0;       ///< 95 % interval, Student's t
+  double mean = 0.0;  ///< of a - b
+  double low = 0.0;   ///< 95 % interval, Student's t
   double high = 0.0;
   double a_better_share = 0.0;  ///< of the runs: a below b
 };
@@ -64,7 +64,7 @@ struct Study {
   StudyOptions options;
   std::vector<std::string> metrics;
   std::vector<PolicyOutcome> policies;
-  int runs_done = 0;                         ///< fewer than asked where it was cut short
+  int runs_done = 0;  ///< fewer than asked where it was cut short
 };
 
 /// Every policy over the same seeds: common random numbers. Results do not depend on the number of threads: a run

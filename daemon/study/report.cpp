@@ -5,8 +5,8 @@
 #include <stdexcept>
 
 #include <google/protobuf/text_format.h>
-#include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
+#include <nlohmann/json.hpp>
 
 #include "daemon/study/plots.hpp"
 

@@ -11,9 +11,18 @@
 namespace dwell {
 namespace {
 
-const std::vector<std::string> kTotals{"x_variance_m2", "position_variance_m2", "weighted_variance_m2",
-                                       "position_rms_m", "x_rms_m", "y_rms_m", "position_mse_m2", "nees",
-                                       "mode_errors", "tracks_lost", "starvation_scans", "cramer_rao_rms_m"};
+const std::vector<std::string> kTotals{"x_variance_m2",
+                                       "position_variance_m2",
+                                       "weighted_variance_m2",
+                                       "position_rms_m",
+                                       "x_rms_m",
+                                       "y_rms_m",
+                                       "position_mse_m2",
+                                       "nees",
+                                       "mode_errors",
+                                       "tracks_lost",
+                                       "starvation_scans",
+                                       "cramer_rao_rms_m"};
 
 /// Sums of one target over the scans that count.
 struct TargetSums {
@@ -27,8 +36,8 @@ struct TargetSums {
   double mode_errors = 0.0;
   double bound = 0.0;
   double looks = 0.0;
-  int starving = 0;       // scans since the last look
-  int starvation = 0;     // the longest of them
+  int starving = 0;    // scans since the last look
+  int starvation = 0;  // the longest of them
   std::optional<CramerRaoBound> cramer_rao;
 };
 
@@ -132,8 +141,7 @@ class Measurer {
   }
 
  private:
-  void add_track(const Engine& engine, const TruthReport& truth, const Track& track, bool counts,
-                 ScanSample& sample) {
+  void add_track(const Engine& engine, const TruthReport& truth, const Track& track, bool counts, ScanSample& sample) {
     const std::size_t index = truth.target;
     TargetSums& sums = targets_[index];
     const Vector2 error = position(truth.state) - position(track.combined.mean);
@@ -163,8 +171,7 @@ class Measurer {
   }
 
   /// Also says whether the track was looked at, and updated.
-  void advance_bound(const Engine& engine, const TruthReport& truth, const Track& track, bool& looked,
-                     bool& updated) {
+  void advance_bound(const Engine& engine, const TruthReport& truth, const Track& track, bool& looked, bool& updated) {
     TargetSums& sums = targets_[truth.target];
     if (!sums.cramer_rao) sums.cramer_rao.emplace(start_covariance(config_.targets[truth.target]));
     const BoundModel& model = models_[truth.target];

@@ -28,7 +28,7 @@ struct ScanSample {
 
 /// What one run came to: named figures, the same names in every run of a scenario.
 struct RunResult {
-  std::vector<double> figures;      // in the order of `metric_names`
+  std::vector<double> figures;  // in the order of `metric_names`
   std::vector<ScanSample> scans;
   std::vector<double> decision_us;  // of every scan
 };

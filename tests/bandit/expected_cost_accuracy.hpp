@@ -35,13 +35,11 @@ inline void expect_accurate(const char* what, const std::vector<PredictedState>&
         ASSERT_EQ(expected_cost.with_look(states[i].estimate, *states[i].sensor, states[i].update, cost),
                   Numerics::kOk);
         errors.push_back(std::abs(cost - kind.of(expected[i])) / kind.of(without[i]));
-        EXPECT_LE(errors.back(), limit.error)
-            << what << ", state " << i << ", " << kind.name << ", " << limit.nodes;
+        EXPECT_LE(errors.back(), limit.error) << what << ", state " << i << ", " << kind.name << ", " << limit.nodes;
       }
       std::sort(errors.begin(), errors.end());
-      std::printf("%-12s %5zu states, %2d nodes, %-16s error: median %.1e  p95 %.1e  max %.1e\n", what,
-                  states.size(), limit.nodes, kind.name, errors[errors.size() / 2],
-                  errors[errors.size() * 95 / 100], errors.back());
+      std::printf("%-12s %5zu states, %2d nodes, %-16s error: median %.1e  p95 %.1e  max %.1e\n", what, states.size(),
+                  limit.nodes, kind.name, errors[errors.size() / 2], errors[errors.size() * 95 / 100], errors.back());
     }
   }
 }

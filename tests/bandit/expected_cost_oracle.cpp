@@ -33,9 +33,7 @@ struct Seen {
   State mean;
   Gain gain;
 
-  double density(const Vector2& y) const {
-    return scale * std::exp(-0.5 * (y - z).dot(information * (y - z)));
-  }
+  double density(const Vector2& y) const { return scale * std::exp(-0.5 * (y - z).dot(information * (y - z))); }
   State posterior(const Vector2& y) const { return mean + gain * (y - z); }
 };
 
@@ -67,8 +65,7 @@ void for_each_cell(const std::vector<Seen>& modes, const Seen& a, const Seen& b,
   const Vector2 step = (high - low).cwiseQuotient(count.cast<double>());
   const double area = step.prod() * std::abs(from_joint.determinant());
   for (int i = 0; i < count[0]; ++i) {
-    for (int j = 0; j < count[1]; ++j)
-      f(from_joint * (low + step.cwiseProduct(Vector2(i + 0.5, j + 0.5))), area);
+    for (int j = 0; j < count[1]; ++j) f(from_joint * (low + step.cwiseProduct(Vector2(i + 0.5, j + 0.5))), area);
   }
 }
 
@@ -107,8 +104,7 @@ CostParts oracle_parts(const PredictedState& state, int nodes) {
     const StateMatrix& p = estimate.modes[j].covariance;
     const Gain gain = p * predicted[j].h.transpose() * s.inverse();
     modes.push_back({innovation(*state.sensor, state.update, predicted[j].z, predicted[0].z), s, s.inverse(),
-                     c / (2.0 * std::numbers::pi * std::sqrt(s.determinant())), estimate.modes[j].mean,
-                     gain});
+                     c / (2.0 * std::numbers::pi * std::sqrt(s.determinant())), estimate.modes[j].mean, gain});
     const StateMatrix after = p - gain * s * gain.transpose();
     add(detected, c, {position_block(after).trace(), after.trace(), 0.0});
   }

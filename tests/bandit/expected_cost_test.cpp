@@ -17,8 +17,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 double with_look(const CostWeights& weights, const PredictedState& state, int nodes = 5) {
   double cost = kNaN;
-  EXPECT_EQ(ExpectedCost(weights, nodes).with_look(state.estimate, *state.sensor, state.update, cost),
-            Numerics::kOk);
+  EXPECT_EQ(ExpectedCost(weights, nodes).with_look(state.estimate, *state.sensor, state.update, cost), Numerics::kOk);
   return cost;
 }
 
@@ -41,8 +40,7 @@ std::shared_ptr<const Sensor> xy_sensor(const Matrix2& r, double p_d) {
 PredictedState two_modes(double p_d) {
   Eigen::VectorXd c(2);
   c << 0.7, 0.3;
-  PredictedState state{"two modes", make_estimate({}, c), xy_sensor(Matrix2::Identity(), p_d),
-                       UpdateForm::kEkf};
+  PredictedState state{"two modes", make_estimate({}, c), xy_sensor(Matrix2::Identity(), p_d), UpdateForm::kEkf};
   state.estimate.modes[0] = {State(0.0, 10.0, 0.0, -5.0), State(2.0, 1.0, 3.0, 1.0).asDiagonal()};
   state.estimate.modes[1] = {State(1.0, 12.0, 2.0, -7.0), State(9.0, 4.0, 16.0, 4.0).asDiagonal()};
   return state;
@@ -85,9 +83,8 @@ TEST(ExpectedCost, OneModeReducesTheCostAsTheKalmanFilterDoes) {
   for (const auto& sensor : {xy_sensor(Vector2(4.0, 9.0).asDiagonal(), p_d)}) {
     // Axis by axis: p - p^2 / (p + r) = 12 x 4 / 16 = 3 of x, 27 x 9 / 36 = 6.75 of y.
     PredictedState state{
-        "",
-        make_estimate({State::Zero(), State(12.0, 5.0, 27.0, 7.0).asDiagonal()}, Eigen::VectorXd::Ones(1)),
-        sensor, UpdateForm::kEkf};
+        "", make_estimate({State::Zero(), State(12.0, 5.0, 27.0, 7.0).asDiagonal()}, Eigen::VectorXd::Ones(1)), sensor,
+        UpdateForm::kEkf};
     CostWeights weights;
     weights.w = position_weight();
     weights.beta = 3.0;  // one mode is known: no share
@@ -124,8 +121,7 @@ TEST(ExpectedCost, ALookNeverHurtsInExpectation) {
   for (const PredictedState& state : all_states(1, scaled(200))) {
     for (const CostKind& kind : kCostKinds) {
       const double without = without_look(kind.weights(), state);
-      EXPECT_LE(with_look(kind.weights(), state), 1.02 * without)
-          << state.origin << kind.name;  // the rule's error
+      EXPECT_LE(with_look(kind.weights(), state), 1.02 * without) << state.origin << kind.name;  // the rule's error
       EXPECT_GE(with_look(kind.weights(), state), 0.0) << state.origin << kind.name;
     }
   }
@@ -152,8 +148,7 @@ TEST(ExpectedCost, LinearInTheWeights) {
     mode.w.setZero();
     mode.beta = 1.0;
     const double sum = 7.0 * with_look(trace, state) + 3.0 * with_look(mode, state);
-    EXPECT_NEAR(with_look(both, state), sum, 1e-12 * sum)
-        << state.origin;  // rounding of the sums over the nodes
+    EXPECT_NEAR(with_look(both, state), sum, 1e-12 * sum) << state.origin;  // rounding of the sums over the nodes
   }
 }
 
@@ -162,8 +157,7 @@ TEST(ExpectedCost, ThePermutationOfModesChangesNothing) {
     PredictedState other = state;
     for (int j = 0; j < state.estimate.size(); ++j) {
       const int from = (j + 1) % state.estimate.size();
-      other.estimate.modes[static_cast<std::size_t>(j)] =
-          state.estimate.modes[static_cast<std::size_t>(from)];
+      other.estimate.modes[static_cast<std::size_t>(j)] = state.estimate.modes[static_cast<std::size_t>(from)];
       other.estimate.probability[j] = state.estimate.probability[from];
     }
     for (const CostKind& kind : kCostKinds) {
@@ -274,8 +268,7 @@ TEST(ExpectedCost, ConvertedAndEkfAgreeAtSmallNoise) {
   converted.update = UpdateForm::kConverted;
   for (const CostKind& kind : kCostKinds) {
     const double without = without_look(kind.weights(), state);
-    EXPECT_NEAR(with_look(kind.weights(), state), with_look(kind.weights(), converted), 1e-3 * without)
-        << kind.name;
+    EXPECT_NEAR(with_look(kind.weights(), state), with_look(kind.weights(), converted), 1e-3 * without) << kind.name;
   }
 }
 
@@ -299,8 +292,7 @@ TEST(ExpectedCost, AnIndefiniteInnovationCovarianceIsAnErrorAndLeavesTheCost) {
   state.estimate.modes[0].covariance(kX, kX) = -3.0;
   double cost = 12.0;
   ExpectedCost expected_cost(kCostKinds[0].weights(), 5);
-  EXPECT_EQ(expected_cost.with_look(state.estimate, *state.sensor, state.update, cost),
-            Numerics::kNotPositiveDefinite);
+  EXPECT_EQ(expected_cost.with_look(state.estimate, *state.sensor, state.update, cost), Numerics::kNotPositiveDefinite);
   EXPECT_EQ(cost, 12.0);
 }
 
@@ -310,8 +302,7 @@ TEST(ExpectedCost, ANumberThatIsNotFiniteIsAnErrorAndLeavesTheCost) {
     state.estimate.modes[1].mean[kX] = bad;
     double cost = 12.0;
     ExpectedCost expected_cost(kCostKinds[0].weights(), 5);
-    EXPECT_EQ(expected_cost.with_look(state.estimate, *state.sensor, state.update, cost),
-              Numerics::kNotFinite);
+    EXPECT_EQ(expected_cost.with_look(state.estimate, *state.sensor, state.update, cost), Numerics::kNotFinite);
     EXPECT_EQ(cost, 12.0);
     state = two_modes(1.0);
     state.estimate.probability[1] = bad;

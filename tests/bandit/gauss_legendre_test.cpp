@@ -27,8 +27,7 @@ TEST(GaussLegendre, TheNextMomentIsNot) {
   for (int n = 1; n <= 8; ++n) {
     double moment = 0.0;
     for (const QuadratureNode& node : gauss_legendre(n)) moment += node.weight * std::pow(node.u, 2 * n);
-    const double log_error =
-        4.0 * std::lgamma(n + 1.0) - 2.0 * std::lgamma(2.0 * n + 1.0) - std::log(2.0 * n + 1.0);
+    const double log_error = 4.0 * std::lgamma(n + 1.0) - 2.0 * std::lgamma(2.0 * n + 1.0) - std::log(2.0 * n + 1.0);
     const double error = std::exp(log_error);
     EXPECT_NEAR(1.0 / (2 * n + 1) - moment, error, 1e-14 + 1e-6 * error) << n;
   }

@@ -28,8 +28,8 @@ TEST(LargestVariance, LooksAtTheLargestWeightedVarianceWithItsBestSensor) {
       EXPECT_LE(weighted_variance(track), weighted_variance(chosen) * (1.0 + 1e-12));
     for (std::size_t s = 0; s < scene.sensors.size(); ++s) {
       // The policy's rule is within 2 % of the variance of each reduction.
-      EXPECT_LE(reduction(scene, chosen, s), reduction(scene, chosen, decision.pair(0).sensor) +
-                                                 0.04 * cost_parts(chosen.estimate).position);
+      EXPECT_LE(reduction(scene, chosen, s),
+                reduction(scene, chosen, decision.pair(0).sensor) + 0.04 * cost_parts(chosen.estimate).position);
     }
   }
 }

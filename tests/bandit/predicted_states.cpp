@@ -30,8 +30,7 @@ Gaussian start_belief(const State& truth, double sigma, RandomStream& stream) {
 
 /// One target, one look a scan chosen by sa_imm; keeps the predicted estimate of every scan.
 std::vector<ImmEstimate> run_closed_loop(const ModeBank& bank, UpdateForm update, const SensorList& sensors,
-                                         Trajectory& truth, double start_sigma, int scans,
-                                         RandomStream stream) {
+                                         Trajectory& truth, double start_sigma, int scans, RandomStream stream) {
   TrackerSettings settings;
   settings.update = update;
   settings.gate = std::numeric_limits<double>::infinity();
@@ -81,8 +80,7 @@ ScriptedTrajectory evans_truth(RandomStream stream) {
 
 JumpMarkovTrajectory liu_hwang_truth(RandomStream stream) {
   const DiscreteBank bank = *discretise(*named_bank("liu_hwang"), 1.0);
-  JumpMarkovSystem system{bank.f, std::vector<StateMatrix>(bank.f.size(), StateMatrix::Zero()),
-                          bank.transition};
+  JumpMarkovSystem system{bank.f, std::vector<StateMatrix>(bank.f.size(), StateMatrix::Zero()), bank.transition};
   JumpMarkovScript script;
   script.initial = make_state({0.0, 0.0}, {18.0, 0.0});
   script.initial_mode = 2;
@@ -92,11 +90,10 @@ JumpMarkovTrajectory liu_hwang_truth(RandomStream stream) {
 
 int draw_scan(int scans, RandomStream& stream) { return static_cast<int>(stream.uniform(0.0, scans)); }
 
-void keep(const std::vector<ImmEstimate>& run, int index, const std::string& origin,
-          const SensorList& sensors, UpdateForm update, std::vector<PredictedState>& states) {
+void keep(const std::vector<ImmEstimate>& run, int index, const std::string& origin, const SensorList& sensors,
+          UpdateForm update, std::vector<PredictedState>& states) {
   if (index >= std::ssize(run)) return;
-  for (const auto& sensor : sensors)
-    states.push_back({origin, run[static_cast<std::size_t>(index)], sensor, update});
+  for (const auto& sensor : sensors) states.push_back({origin, run[static_cast<std::size_t>(index)], sensor, update});
 }
 
 void add_evans(int runs, const std::string& bank, UpdateForm update, const RandomStream& stream,
@@ -106,8 +103,7 @@ void add_evans(int runs, const std::string& bank, UpdateForm update, const Rando
     const RandomStream own = stream.fork(static_cast<std::uint64_t>(r));
     ScriptedTrajectory truth = evans_truth(own.fork("truth"));
     RandomStream draw = own.fork("scans");
-    const auto run =
-        run_closed_loop(*named_bank(bank), update, evans_radars(), truth, 100.0, 60, own.fork("looks"));
+    const auto run = run_closed_loop(*named_bank(bank), update, evans_radars(), truth, 100.0, 60, own.fork("looks"));
     for (int scan = 26; scan <= 31; ++scan) keep(run, scan - 1, origin, evans_radars(), update, states);
     for (int i = 0; i < 3; ++i) keep(run, draw_scan(60, draw), origin, evans_radars(), update, states);
   }
@@ -118,8 +114,8 @@ void add_liu_hwang(int runs, const RandomStream& stream, std::vector<PredictedSt
     const RandomStream own = stream.fork(static_cast<std::uint64_t>(r));
     JumpMarkovTrajectory truth = liu_hwang_truth(own.fork("truth"));
     RandomStream draw = own.fork("scans");
-    const auto run = run_closed_loop(*named_bank("liu_hwang"), UpdateForm::kEkf, liu_hwang_sensors(), truth,
-                                     1.0, 110, own.fork("looks"));
+    const auto run = run_closed_loop(*named_bank("liu_hwang"), UpdateForm::kEkf, liu_hwang_sensors(), truth, 1.0, 110,
+                                     own.fork("looks"));
     for (int i = 0; i < 6; ++i) {
       keep(run, draw_scan(110, draw), "liu_hwang", liu_hwang_sensors(), UpdateForm::kEkf, states);
     }
@@ -171,8 +167,7 @@ Site draw_site(RandomStream& stream) {
   const auto radar = std::make_shared<RangeBearingRadar>(figures);
   const double range_m = stream.uniform(5e3, 200e3);
   const Vector2 place = range_m * draw_direction(stream);
-  const double sigma_m =
-      std::sqrt(radar->range_sigma_m(range_m) * range_m * radar->azimuth_sigma_rad(range_m));
+  const double sigma_m = std::sqrt(radar->range_sigma_m(range_m) * range_m * radar->azimuth_sigma_rad(range_m));
   const bool ekf = kind < 3.0;
   return {radar, make_state(place, {0.0, 0.0}), sigma_m, ekf ? UpdateForm::kEkf : UpdateForm::kConverted,
           ekf ? "random/radar/ekf" : "random/radar/converted"};
@@ -196,8 +191,8 @@ StateMatrix draw_shape(double size_m, RandomStream& stream) {
 /// |S| of a mode with covariance p.
 double determinant(const StateMatrix& p, const Site& site) {
   std::vector<PredictedMeasurement> out;
-  if (predict_measurements(*site.sensor, site.update,
-                           make_estimate({site.place, p}, Eigen::VectorXd::Ones(1)), out) != Numerics::kOk) {
+  if (predict_measurements(*site.sensor, site.update, make_estimate({site.place, p}, Eigen::VectorXd::Ones(1)), out) !=
+      Numerics::kOk) {
     return 0.0;
   }
   return out[0].s.determinant();
@@ -227,15 +222,13 @@ ImmEstimate draw_estimate(const Site& site, RandomStream& stream) {
     const Gaussian& measure = stream.uniform() < 0.5 ? estimate.modes[0] : mode;
     std::vector<PredictedMeasurement> out;
     (void)predict_measurements(*site.sensor, site.update,
-                               make_estimate({site.place, measure.covariance}, Eigen::VectorXd::Ones(1)),
-                               out);
+                               make_estimate({site.place, measure.covariance}, Eigen::VectorXd::Ones(1)), out);
     const Vector2 direction = draw_direction(stream);
     const double speed = 2.0 * std::sqrt(mode.covariance(kVx, kVx));
     State offset = make_state(direction, Vector2::Zero());
     const double distance = stream.uniform() < 0.25 ? 0.0 : stream.uniform(0.0, 10.0);
     offset *= distance / std::sqrt(out[0].squared_distance(out[0].h * offset));
-    mode.mean +=
-        offset + make_state(Vector2::Zero(), {stream.uniform(-speed, speed), stream.uniform(-speed, speed)});
+    mode.mean += offset + make_state(Vector2::Zero(), {stream.uniform(-speed, speed), stream.uniform(-speed, speed)});
   }
   const auto other = static_cast<std::size_t>(stream.uniform(0.0, count));
   std::swap(estimate.modes[0], estimate.modes[other]);

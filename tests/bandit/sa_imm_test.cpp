@@ -58,8 +58,7 @@ TEST(SaImm, ChoosesWhatEnumerationOfTheTotalCostSays) {
         const Track& track = scene.tracks[pair.track];
         return 0.005 * track.weight * kind.of(cost_parts(track.estimate));
       };
-      EXPECT_LE(ours, total_after(kind, scene, best) + error(chosen) + error(best))
-          << kind.name << ", " << seed;
+      EXPECT_LE(ours, total_after(kind, scene, best) + error(chosen) + error(best)) << kind.name << ", " << seed;
       same += best.sensor == chosen.sensor && best.track == chosen.track ? 1 : 0;
       ++all;
     }
@@ -128,8 +127,7 @@ TEST(SaImm, APairThatFailsIsOfNoUseAndTheOthersAreAsBefore) {
   policy.decide(scene.situation(), after);
   EXPECT_EQ(after.candidates[1].score, 0.0);
   EXPECT_EQ(after.candidates[1].expected_cost, after.candidates[1].cost_without_look);
-  for (const std::size_t other : {0U, 2U, 3U})
-    EXPECT_EQ(after.candidates[other].score, before.candidates[other].score);
+  for (const std::size_t other : {0U, 2U, 3U}) EXPECT_EQ(after.candidates[other].score, before.candidates[other].score);
 }
 
 }  // namespace

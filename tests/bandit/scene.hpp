@@ -54,8 +54,7 @@ struct Scene {
       for (Gaussian& mode : track.estimate.modes) mode.covariance *= 1.3;
     }
     for (const std::size_t choice : decision.chosen) {
-      for (Gaussian& mode : tracks[decision.candidates[choice].pair.track].estimate.modes)
-        mode.covariance *= 0.3;
+      for (Gaussian& mode : tracks[decision.candidates[choice].pair.track].estimate.modes) mode.covariance *= 0.3;
     }
     for (Track& track : tracks) track.combined = combine(track.estimate);
   }
@@ -73,10 +72,8 @@ inline Scene random_scene(int tracks, std::uint64_t seed) {
     const State centre = make_state({stream.uniform(50e3, 200e3), stream.uniform(20e3, 200e3)}, {200.0, 0.0});
     for (Gaussian& mode : estimate.modes) {
       const double sigma_m = std::exp(stream.uniform(std::log(1.0), std::log(300.0)));
-      for (int axis = 0; axis < kStateSize; ++axis)
-        mode.mean[axis] = centre[axis] + sigma_m * stream.normal();
-      mode.covariance =
-          sigma_m * sigma_m * State(1.0, 0.1, stream.uniform(0.2, 5.0), 0.1).asDiagonal().toDenseMatrix();
+      for (int axis = 0; axis < kStateSize; ++axis) mode.mean[axis] = centre[axis] + sigma_m * stream.normal();
+      mode.covariance = sigma_m * sigma_m * State(1.0, 0.1, stream.uniform(0.2, 5.0), 0.1).asDiagonal().toDenseMatrix();
     }
     scene.add_track(static_cast<std::uint32_t>(i), estimate, stream.uniform(0.5, 2.0));
   }
@@ -91,8 +88,7 @@ inline Scene plain_scene(int sensors, const std::vector<std::uint32_t>& numbers)
     scene.add_sensor(std::make_shared<LinearSensor>(position_selector(), Matrix2::Identity(), 1.0));
   }
   for (const std::uint32_t number : numbers) {
-    scene.add_track(number,
-                    make_estimate({State::Zero(), StateMatrix::Identity()}, Eigen::VectorXd::Ones(1)));
+    scene.add_track(number, make_estimate({State::Zero(), StateMatrix::Identity()}, Eigen::VectorXd::Ones(1)));
   }
   return scene;
 }

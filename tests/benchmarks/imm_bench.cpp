@@ -15,7 +15,8 @@ void imm_cycle(benchmark::State& state, const char* bank_name) {
   figures.range_noise_floor_m = 15.0;
   figures.azimuth_noise_floor_rad = 0.05 * kDegree;
   const RangeBearingRadar radar(figures);
-  ImmEstimate estimate = make_estimate({{3e4, 100.0, 4e4, -50.0}, StateMatrix::Identity() * 1e4}, bank.initial_probability);
+  ImmEstimate estimate =
+      make_estimate({{3e4, 100.0, 4e4, -50.0}, StateMatrix::Identity() * 1e4}, bank.initial_probability);
   ImmEstimate predicted = estimate;
   std::vector<PredictedMeasurement> measurements;
   std::vector<Vector2> innovations(estimate.modes.size());

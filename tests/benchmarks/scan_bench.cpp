@@ -22,8 +22,12 @@ BENCHMARK_CAPTURE(scan, sa_imm, SaImmSettings{})
     ->Args({3, 3})
     ->Args({3, 30})
     ->Args({3, 100})
-    ->Iterations(kScans)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(scan, round_robin, RoundRobinSettings{})->Args({3, 30})->Iterations(kScans)->Unit(benchmark::kMicrosecond);
+    ->Iterations(kScans)
+    ->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(scan, round_robin, RoundRobinSettings{})
+    ->Args({3, 30})
+    ->Iterations(kScans)
+    ->Unit(benchmark::kMicrosecond);
 
 }  // namespace
 }  // namespace dwell

@@ -62,8 +62,7 @@ TEST_F(ControlClientTest, GivesUpAfterTheLastTryAndSaysWhere) {
     client.ask(pause());
     FAIL() << "an answer from nobody";
   } catch (const NoAnswer& error) {
-    EXPECT_STREQ(error.what(),
-                 "no answer from inproc://control (3 tries of 0.05 s): is dwelld running there?");
+    EXPECT_STREQ(error.what(), "no answer from inproc://control (3 tries of 0.05 s): is dwelld running there?");
   }
   EXPECT_EQ(client.state(), ControlClient::State::kNoAnswer);
   EXPECT_EQ(daemon.requests().size(), 3u);

@@ -34,8 +34,7 @@ struct Result {
 Result finish(std::FILE* pipe) {
   std::string out;
   std::array<char, 4096> buffer{};
-  while (const std::size_t count = std::fread(buffer.data(), 1, buffer.size(), pipe))
-    out.append(buffer.data(), count);
+  while (const std::size_t count = std::fread(buffer.data(), 1, buffer.size(), pipe)) out.append(buffer.data(), count);
   const int status = pclose(pipe);
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, out};
 }
@@ -124,9 +123,8 @@ TEST_F(DwellctlProgram, WatchIntoAPipeIsALineATrackAndScan) {
   publish_end();
   const Result result = finish(pipe);
   EXPECT_EQ(result.code, 0);
-  EXPECT_THAT(result.out,
-              testing::MatchesRegex("# +time_s .*\n +13.000 +2 moved .*\n"
-                                    "dwellctl: the stream ended at scan 12, t 13.0 s: all scans run\n"));
+  EXPECT_THAT(result.out, testing::MatchesRegex("# +time_s .*\n +13.000 +2 moved .*\n"
+                                                "dwellctl: the stream ended at scan 12, t 13.0 s: all scans run\n"));
 }
 
 TEST_F(DwellctlProgram, WatchAsJsonIsEachMessageOnALine) {
@@ -136,9 +134,8 @@ TEST_F(DwellctlProgram, WatchAsJsonIsEachMessageOnALine) {
   publish_end();
   const Result result = finish(pipe);
   EXPECT_EQ(result.code, 0);
-  EXPECT_THAT(result.out,
-              testing::MatchesRegex("[{]\"epoch\":\"1\",\"sequence\":\"101\",.*\"name\":\"moved\".*\n"
-                                    "[{]\"epoch\":\"1\",\"sequence\":\"102\",.*\"end_of_stream\".*\n"));
+  EXPECT_THAT(result.out, testing::MatchesRegex("[{]\"epoch\":\"1\",\"sequence\":\"101\",.*\"name\":\"moved\".*\n"
+                                                "[{]\"epoch\":\"1\",\"sequence\":\"102\",.*\"end_of_stream\".*\n"));
 }
 
 /// Reads from the terminal until the text has come.
@@ -168,14 +165,12 @@ TEST_F(DwellctlProgram, WatchOnATerminalLeavesItAsItWas) {
     close(master);  // so that the program gets its hang-up should this test die
     login_tty(slave);
     setenv("TERM", "xterm", 1);
-    execl(kProgram.c_str(), "dwellctl", "--control", control_.c_str(), "--stream", stream_.c_str(), "watch",
-          nullptr);
+    execl(kProgram.c_str(), "dwellctl", "--control", control_.c_str(), "--stream", stream_.c_str(), "watch", nullptr);
     _exit(127);
   }
   await_listener();
   publish_track();
-  EXPECT_THAT(read_until(master, "moved"),
-              AllOf(HasSubstr("\x1b[?1049h"), HasSubstr("policy sa_imm:cost=x")));
+  EXPECT_THAT(read_until(master, "moved"), AllOf(HasSubstr("\x1b[?1049h"), HasSubstr("policy sa_imm:cost=x")));
   ASSERT_EQ(write(master, "\x03", 1), 1);  // Ctrl-C
   const std::string farewell = read_until(master, "\x1b[?1049l");
   EXPECT_THAT(farewell, HasSubstr("\x1b[?25h\x1b[?1049l"));

@@ -102,9 +102,9 @@ TEST(Explain, TheSecondOfTwoLooksIsMeasuredAgainstThoseNotChosen) {
   v1::Look& look = *s.mutable_last_scan()->add_look();
   look.set_radar(3);
   look.set_track(2);
-  EXPECT_THAT(text_of(s), AllOf(HasSubstr("chosen  linear -> 2 target2: 0 plots, none in the gate"),
-                                HasSubstr("a score of 3000; none of the 1 candidates left"),
-                                HasSubstr("over west -> 1 target1")));
+  EXPECT_THAT(text_of(s),
+              AllOf(HasSubstr("chosen  linear -> 2 target2: 0 plots, none in the gate"),
+                    HasSubstr("a score of 3000; none of the 1 candidates left"), HasSubstr("over west -> 1 target1")));
 }
 
 TEST(Explain, SaysThatThePolicyFellBack) {

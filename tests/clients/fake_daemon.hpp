@@ -85,8 +85,7 @@ inline v1::Track track(std::uint32_t id, const std::string& name) {
   track.set_name(name);
   track.set_status(v1::Track::CONFIRMED);
   for (const double value : {120e3, 300.0, -40e3, 400.0}) track.add_state(value);
-  for (const double value : {2500.0, 0.0, 0.0, 0.0, 100.0, 0.0, 0.0, 900.0, 0.0, 100.0})
-    track.add_covariance(value);
+  for (const double value : {2500.0, 0.0, 0.0, 0.0, 100.0, 0.0, 0.0, 900.0, 0.0, 100.0}) track.add_covariance(value);
   for (const double value : {0.9, 0.08, 0.02}) track.add_mode_probability(value);
   return track;
 }

@@ -59,10 +59,8 @@ TEST(TrackFigures, HeadingIsClockwiseFromNorth) {
 TEST(TrackFigures, AreAbsentWhereTheMessageHoldsNothing) {
   const TrackFigures f = figures(v1::Track(), 0);
   EXPECT_FALSE(f.east_km || f.north_km || f.speed_mps || f.heading_deg || f.sigma_m || f.age_of_look_s);
-  EXPECT_THAT(
-      track_line(v1::Track(), {}, 0),
-      HasSubstr(
-          "0 -            unknown            -          -        -   -         - -                - -"));
+  EXPECT_THAT(track_line(v1::Track(), {}, 0),
+              HasSubstr("0 -            unknown            -          -        -   -         - -                - -"));
 }
 
 TEST(TrackFigures, WhatStandsStillHasNoHeading) {
@@ -79,8 +77,7 @@ TEST(TrackLine, HoldsOneFieldAColumn) {
   EXPECT_EQ(track_line(t, Names(snapshot(0)), 12'000'000'000),
             "      12.000     7 two_words    confirmed    120.000    -40.000    500.0 037      50.0 west"
             "         2.500 .90 .08 .02");
-  EXPECT_EQ(track_line_header().find("age_s"),
-            track_line(t, Names(snapshot(0)), 12'000'000'000).find("2.500"));
+  EXPECT_EQ(track_line_header().find("age_s"), track_line(t, Names(snapshot(0)), 12'000'000'000).find("2.500"));
 }
 
 TEST(TrackLine, NeverShowsWhatIsNotFinite) {
@@ -118,8 +115,8 @@ TEST(PolicyText, IsAsTheCommandLineTakesIt) {
 TEST(FormatStatus, AlignsItsLinesAndSaysWhenARunIsFast) {
   const Lines lines = format_status(snapshot(2).status());
   for (const Line& line : lines) EXPECT_EQ(line.text.substr(15, 2), "  ") << line.text;
-  EXPECT_THAT(joined(lines), AllOf(HasSubstr("run              running\n"), HasSubstr("2 of 3 up"),
-                                   HasSubstr("none: a fast run")));
+  EXPECT_THAT(joined(lines),
+              AllOf(HasSubstr("run              running\n"), HasSubstr("2 of 3 up"), HasSubstr("none: a fast run")));
 }
 
 TEST(FormatStatus, ShowsTheWallClockWhereThereIsOne) {

@@ -179,8 +179,7 @@ TEST(StreamClient, SubscribesOnceAndPassesOverWhatIsNoMessage) {
   for (const auto& frames : std::vector<std::vector<std::string>>{
            {"status.", "\xff garbage"}, {"status.", good, "more"}, {"status.", good}}) {
     for (std::size_t i = 0; i < frames.size(); ++i) {
-      publisher.send(zmq::buffer(frames[i]),
-                     i + 1 < frames.size() ? zmq::send_flags::sndmore : zmq::send_flags::none);
+      publisher.send(zmq::buffer(frames[i]), i + 1 < frames.size() ? zmq::send_flags::sndmore : zmq::send_flags::none);
     }
   }
   zmq_pollitem_t item{stream.socket(), 0, ZMQ_POLLIN, 0};

@@ -55,8 +55,7 @@ TEST(WatchFrame, WideShowsEveryColumnNarrowTheEssential) {
        {"id", "name", "status", "E km", "N km", "m/s", "hdg", "sigma m", "modes", "radar", "age s"}) {
     EXPECT_THAT(wide, HasSubstr(column));
   }
-  EXPECT_THAT(joined(watch_frame(picture, good(), {80, 24})),
-              AllOf(HasSubstr("sigma m"), HasSubstr("age s")));
+  EXPECT_THAT(joined(watch_frame(picture, good(), {80, 24})), AllOf(HasSubstr("sigma m"), HasSubstr("age s")));
   const std::string narrow = joined(watch_frame(picture, good(), {24, 24}));
   EXPECT_THAT(narrow, AllOf(HasSubstr("E km"), HasSubstr("N km"), Not(HasSubstr("hdg"))));
 }
@@ -89,12 +88,10 @@ TEST(WatchFrame, MarksSilenceHolesAndRestarts) {
   EXPECT_THAT(joined(watch_frame(picture, supply, {200, 50})), Not(HasSubstr("NO DATA")));
   supply.silent_s = kSilenceSeconds + 1;
   supply.losses = {.holes = 1, .messages = 12, .restarts = 1};
-  EXPECT_THAT(
-      joined(watch_frame(picture, supply, {200, 50})),
-      HasSubstr("NO DATA for 4 s from tcp://stream; 12 messages missed in 1 gap; daemon restarted\n"));
-  supply.without_snapshot = true;
   EXPECT_THAT(joined(watch_frame(picture, supply, {200, 50})),
-              HasSubstr("NO SNAPSHOT: no answer from tcp://control"));
+              HasSubstr("NO DATA for 4 s from tcp://stream; 12 messages missed in 1 gap; daemon restarted\n"));
+  supply.without_snapshot = true;
+  EXPECT_THAT(joined(watch_frame(picture, supply, {200, 50})), HasSubstr("NO SNAPSHOT: no answer from tcp://control"));
 }
 
 TEST(WatchFrame, SaysWhatItWaitsForAtTheStart) {

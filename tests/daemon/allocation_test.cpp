@@ -27,9 +27,9 @@ std::string scenario(bool clutter) {
   RandomStream random(5);
   for (int i = 0; i < 30; ++i) {
     const auto number = [&](double limit) { return std::to_string(random.uniform(-limit, limit)); };
-    text += "target { name: \"a target whose name is on the heap " + std::to_string(i) +
-            "\" x_m: " + number(40e3) + " y_m: " + number(40e3) + " vx_mps: " + number(200) +
-            " vy_mps: " + number(200) + " jump_markov { area { radius_m: 50e3 } } }\n";
+    text += "target { name: \"a target whose name is on the heap " + std::to_string(i) + "\" x_m: " + number(40e3) +
+            " y_m: " + number(40e3) + " vx_mps: " + number(200) + " vy_mps: " + number(200) +
+            " jump_markov { area { radius_m: 50e3 } } }\n";
   }
   // Nearly no track is given up: each has its part in every scan.
   return text + "tracker { lost_probability: 1e-300 lost_squared_distance: inf }\n";
@@ -53,8 +53,7 @@ std::vector<Case> cases() {
 
 TEST(Allocation, ScanAllocatesNothingAfterWarmUpUnderAnyPolicy) {
   for (const Case& c : cases()) {
-    SCOPED_TRACE(c.policy + (c.clutter ? ", clutter, " : ", no clutter, ") + std::to_string(c.looks) +
-                 " looks");
+    SCOPED_TRACE(c.policy + (c.clutter ? ", clutter, " : ", no clutter, ") + std::to_string(c.looks) + " looks");
     const DaemonConfig config = config_of(scenario(c.clutter) + "looks_per_scan: " + std::to_string(c.looks) +
                                           " policy { " + c.policy + " {} }");
     Engine engine(config.engine);

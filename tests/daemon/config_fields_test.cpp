@@ -205,8 +205,7 @@ std::pair<int, int> place_of(const Row& row) {
   const std::string before = row.text.substr(0, place);
   const auto line = std::count(before.begin(), before.end(), '\n') + 1;
   const std::size_t line_start = before.rfind('\n');
-  return {static_cast<int>(line),
-          static_cast<int>(place - (line_start == std::string::npos ? -1 : line_start))};
+  return {static_cast<int>(line), static_cast<int>(place - (line_start == std::string::npos ? -1 : line_start))};
 }
 
 TEST(ConfigFields, BadValueIsOneViolationWithPathValueRuleAndPlace) {
@@ -249,8 +248,8 @@ void expect_finite(const google::protobuf::Message& message) {
         expect_finite(repeated ? reflection->GetRepeatedMessage(message, field, i)
                                : reflection->GetMessage(message, field));
       } else if (field->cpp_type() == FieldDescriptor::CPPTYPE_DOUBLE) {
-        const double value = repeated ? reflection->GetRepeatedDouble(message, field, i)
-                                      : reflection->GetDouble(message, field);
+        const double value =
+            repeated ? reflection->GetRepeatedDouble(message, field, i) : reflection->GetDouble(message, field);
         EXPECT_TRUE(std::isfinite(value)) << field->full_name() << " = " << value;
       }
     }
@@ -280,10 +279,8 @@ void numeric_fields(const google::protobuf::Descriptor& type, std::set<std::stri
   if (!seen.insert(type.name()).second) return;
   for (int i = 0; i < type.field_count(); ++i) {
     const FieldDescriptor& field = *type.field(i);
-    if (field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE)
-      numeric_fields(*field.message_type(), seen, fields);
-    if (field.cpp_type() == FieldDescriptor::CPPTYPE_DOUBLE ||
-        field.cpp_type() == FieldDescriptor::CPPTYPE_UINT32) {
+    if (field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE) numeric_fields(*field.message_type(), seen, fields);
+    if (field.cpp_type() == FieldDescriptor::CPPTYPE_DOUBLE || field.cpp_type() == FieldDescriptor::CPPTYPE_UINT32) {
       fields.insert(type.name() + "." + field.name());
     }
   }

@@ -36,8 +36,7 @@ std::string print(const v1::Config& config) {
 // ---------------------------------------------------------------------------------------------------
 
 TEST(ConfigReader, SyntaxErrorHasLineAndColumn) {
-  EXPECT_EQ(refusal_of("seed: 1\nradar {\n  name \"r\"\n}\n"),
-            "test:3:8: syntax: Expected \":\", found \"\"r\"\".");
+  EXPECT_EQ(refusal_of("seed: 1\nradar {\n  name \"r\"\n}\n"), "test:3:8: syntax: Expected \":\", found \"\"r\"\".");
   EXPECT_EQ(refusal_of("scan_period_s: 1\n  colour: 3\n"),
             "test:2:9: syntax: Message type \"dwell.v1.Config\" has no field named \"colour\".");
   EXPECT_EQ(violations_of("radar { name: \"r\" ")[0].line, 1);
@@ -48,9 +47,8 @@ TEST(ConfigReader, FieldGivenTwiceIsASyntaxError) {
 }
 
 TEST(ConfigReader, EmptyTextLacksRadarAndTarget) {
-  EXPECT_THAT(lines_of(refusal_of("")),
-              ElementsAre("test: radar: one radar or linear_sensor at least is required",
-                          "test: target: one target at least is required"));
+  EXPECT_THAT(lines_of(refusal_of("")), ElementsAre("test: radar: one radar or linear_sensor at least is required",
+                                                    "test: target: one target at least is required"));
 }
 
 TEST(ConfigReader, AllViolationsOfAFileAreListedAtOnce) {
@@ -67,26 +65,25 @@ tracker { gate: 0 bank { name: "none" } }
 policy { sa_imm { nodes: 1 } }
 stream { bind: "tcp://0.0.0.0:5556" }
 )";
-  EXPECT_THAT(lines_of(refusal_of(text)),
-              ElementsAre("test:1:1: scan_period_s = nan: must be in [0.001, 3600]",
-                          "test:10:26: tracker.bank.name = \"none\": must be one of: as_printed, "
-                          "cruise_and_turn, evans_practical, "
-                          "liu_hwang",
-                          "test:10:11: tracker.gate = 0: must be > 0",
-                          "test:2:19: radar[1].beamwidth_deg = -1: must be in (0, 90]",
-                          "test:3:19: radar[2].x_m = inf: must be in [-1000000000, 1000000000]",
-                          "test:3:9: radar[2].name = \"r\": must be unique among the sensors",
-                          "test:4:27: linear_sensor[1].c = 2 values: must have 8 values",
-                          "test:4:1: linear_sensor[1].r: is required: 2 x 2 values, row-major",
-                          "test:5:1: target[1].name: is required",
-                          "test:6:3: target[1].leg[1].duration_s: is required",
-                          "test:7:11: target[1].start.covariance: must be symmetric and positive definite",
-                          "test:9:32: target[2].recording.file = \"no_such.csv\": cannot be read: " +
-                              kScenarios + "no_such.csv",
-                          "test:11:19: policy.sa_imm.nodes = 1: must be a whole number from 2 to 32",
-                          "test:12:10: stream.bind = \"tcp://0.0.0.0:5556\": must be ipc://PATH or "
-                          "tcp://127.x.x.x:PORT: there is no "
-                          "authentication"));
+  EXPECT_THAT(
+      lines_of(refusal_of(text)),
+      ElementsAre(
+          "test:1:1: scan_period_s = nan: must be in [0.001, 3600]",
+          "test:10:26: tracker.bank.name = \"none\": must be one of: as_printed, "
+          "cruise_and_turn, evans_practical, "
+          "liu_hwang",
+          "test:10:11: tracker.gate = 0: must be > 0", "test:2:19: radar[1].beamwidth_deg = -1: must be in (0, 90]",
+          "test:3:19: radar[2].x_m = inf: must be in [-1000000000, 1000000000]",
+          "test:3:9: radar[2].name = \"r\": must be unique among the sensors",
+          "test:4:27: linear_sensor[1].c = 2 values: must have 8 values",
+          "test:4:1: linear_sensor[1].r: is required: 2 x 2 values, row-major", "test:5:1: target[1].name: is required",
+          "test:6:3: target[1].leg[1].duration_s: is required",
+          "test:7:11: target[1].start.covariance: must be symmetric and positive definite",
+          "test:9:32: target[2].recording.file = \"no_such.csv\": cannot be read: " + kScenarios + "no_such.csv",
+          "test:11:19: policy.sa_imm.nodes = 1: must be a whole number from 2 to 32",
+          "test:12:10: stream.bind = \"tcp://0.0.0.0:5556\": must be ipc://PATH or "
+          "tcp://127.x.x.x:PORT: there is no "
+          "authentication"));
 }
 
 TEST(ConfigReader, MissingFileAndDirectoryAreRefused) {
@@ -110,21 +107,18 @@ TEST(ConfigReader, UnknownEnumNumberOfAMessageIsRefused) {
 
 TEST(ConfigReader, NamesAreUnique) {
   EXPECT_THAT(
-      refusal_of("radar { name: \"a\" }\nlinear_sensor { name: \"a\" c: [1,0,0,0,0,0,1,0] r: [1,0,0,1] }\n" +
-                 kTarget),
+      refusal_of("radar { name: \"a\" }\nlinear_sensor { name: \"a\" c: [1,0,0,0,0,0,1,0] r: [1,0,0,1] }\n" + kTarget),
       HasSubstr("test:2:17: linear_sensor[1].name = \"a\": must be unique among the sensors"));
   EXPECT_THAT(refusal_of(kRadar + kTarget + kTarget),
               HasSubstr("target[2].name = \"t\": must be unique among the targets"));
-  EXPECT_THAT(
-      refusal_of(kRadar + kTarget +
-                 "tracker { bank { mode { name: \"m\" } mode { name: \"m\" } transition: [1, 0, 0, 1] } }"),
-      HasSubstr("names must be unique in the bank"));
+  EXPECT_THAT(refusal_of(kRadar + kTarget +
+                         "tracker { bank { mode { name: \"m\" } mode { name: \"m\" } transition: [1, 0, 0, 1] } }"),
+              HasSubstr("names must be unique in the bank"));
 }
 
 TEST(ConfigReader, NamesAreOneTo200PrintableCharacters) {
   const std::string rule = "must be 1 to 200 printable characters";
-  for (const std::string& bad :
-       {std::string(), std::string(201, 'x'), std::string("a\\nb"), std::string("\\x01")}) {
+  for (const std::string& bad : {std::string(), std::string(201, 'x'), std::string("a\\nb"), std::string("\\x01")}) {
     const auto violations = violations_of("radar { name: \"" + bad + "\" }\n" + kTarget);
     ASSERT_EQ(violations.size(), 1) << bad;
     EXPECT_EQ(violations[0].rule, rule);
@@ -169,8 +163,7 @@ TEST(ConfigReader, LegsDoNotOverlap) {
   EXPECT_THAT(refusal_of(kRadar + "target { name: \"t\" " + one + "leg { start_s: 3.5 duration_s: 1 } }"),
               HasSubstr("target[1].leg[2].start_s = 3.5: must not be before the end of the leg above"));
   EXPECT_THAT(
-      refusal_of(kRadar +
-                 "target { name: \"t\" leg { start_s: 1 duration_s: 1 ax_mps2: 1 turn_rate_dps: 1 } }"),
+      refusal_of(kRadar + "target { name: \"t\" leg { start_s: 1 duration_s: 1 ax_mps2: 1 turn_rate_dps: 1 } }"),
       HasSubstr("must not stand with an acceleration"));
 }
 
@@ -180,21 +173,17 @@ TEST(ConfigReader, OneKindOfTruthATarget) {
     return lines_of(refusal_of(kRadar + "target { name: \"t\" " + fields + "}"));
   };
   EXPECT_THAT(target(recording), IsEmpty());
-  EXPECT_EQ(target(recording + "x_m: 1 altitude_m: 2 start_s: 3 leg { start_s: 1 duration_s: 1 } ").size(),
-            4);
+  EXPECT_EQ(target(recording + "x_m: 1 altitude_m: 2 start_s: 3 leg { start_s: 1 duration_s: 1 } ").size(), 4);
   EXPECT_EQ(target(recording + "jump_markov {} ").size(), 1);
   EXPECT_EQ(
-      target("jump_markov {} leg { start_s: 1 duration_s: 1 } process_noise { diagonal { b: [1,1,1,1] } } ")
-          .size(),
-      2);
+      target("jump_markov {} leg { start_s: 1 duration_s: 1 } process_noise { diagonal { b: [1,1,1,1] } } ").size(), 2);
   EXPECT_EQ(target("start { covariance: [1,1,1,1] first_plot {} } ").size(), 1);
 }
 
 TEST(ConfigReader, InitialModeIsOfItsBank) {
   EXPECT_EQ(refusal_of(kRadar + "target { name: \"t\" jump_markov { initial_mode: \"turn\" } }"), "");
-  EXPECT_THAT(
-      refusal_of(kRadar + "target { name: \"t\" jump_markov { initial_mode: \"climb\" } }"),
-      HasSubstr("target[1].jump_markov.initial_mode = \"climb\": must be the name of a mode of its bank"));
+  EXPECT_THAT(refusal_of(kRadar + "target { name: \"t\" jump_markov { initial_mode: \"climb\" } }"),
+              HasSubstr("target[1].jump_markov.initial_mode = \"climb\": must be the name of a mode of its bank"));
 }
 
 // --- recordings
@@ -237,22 +226,19 @@ TEST_F(Recordings, BadRowsAreReportedWithTheRecordingsFileAndLine) {
 TEST_F(Recordings, IdIsOfTheFile) {
   EXPECT_EQ(refusal(kGood, "id: \"b\" "), "");
   EXPECT_EQ(refusal(kGood), "test:2:21: target[1].recording.id: is required: the file has a, b");
-  EXPECT_EQ(refusal(kGood, "id: \"c\" "),
-            "test:2:47: target[1].recording.id = \"c\": must be one of the file's: a, b");
+  EXPECT_EQ(refusal(kGood, "id: \"c\" "), "test:2:47: target[1].recording.id = \"c\": must be one of the file's: a, b");
 }
 
 TEST_F(Recordings, BeginLeavesFourRows) {
   EXPECT_EQ(refusal(kGood, "id: \"a\" begin_s: 0 "), "");
-  EXPECT_THAT(refusal(kGood, "id: \"a\" begin_s: 0.5 "),
-              HasSubstr("must leave at least 4 rows of the recording"));
-  EXPECT_THAT(refusal(kGood, "id: \"a\" begin_s: 3e9 "),
-              HasSubstr("must leave at least 4 rows of the recording"));
+  EXPECT_THAT(refusal(kGood, "id: \"a\" begin_s: 0.5 "), HasSubstr("must leave at least 4 rows of the recording"));
+  EXPECT_THAT(refusal(kGood, "id: \"a\" begin_s: 3e9 "), HasSubstr("must leave at least 4 rows of the recording"));
 }
 
 TEST_F(Recordings, MissingFileIsReportedForEachTarget) {
-  const auto violations = violations_of(kRadar + "target { name: \"a\" recording { file: \"x\" } }\n" +
-                                        "target { name: \"b\" recording { file: \"x\" } }\n" +
-                                        "target { name: \"c\" recording { } }\n");
+  const auto violations =
+      violations_of(kRadar + "target { name: \"a\" recording { file: \"x\" } }\n" +
+                    "target { name: \"b\" recording { file: \"x\" } }\n" + "target { name: \"c\" recording { } }\n");
   ASSERT_EQ(violations.size(), 3);
   EXPECT_EQ(violations[0].line, 2);
   EXPECT_EQ(violations[1].line, 3);
@@ -274,8 +260,7 @@ TEST(ConfigReader, UnknownBankListsTheKnown) {
 
 TEST(ConfigReader, TransitionRowsSumToOne) {
   EXPECT_EQ(bank(kTwo + "transition: [.9, .1, .3, .7]"), "");
-  EXPECT_EQ(bank(kTwo + "transition: [.3333333, .6666667, .3, .7]"), "")
-      << "printed probabilities are rounded";
+  EXPECT_EQ(bank(kTwo + "transition: [.3333333, .6666667, .3, .7]"), "") << "printed probabilities are rounded";
   EXPECT_THAT(bank(kTwo + "transition: [.9, .2, .3, .6]"),
               AllOf(HasSubstr("transition = row 1 sums to 1.1: rows must sum to 1"),
                     HasSubstr("transition = row 2 sums to 0.9: rows must sum to 1")));
@@ -299,17 +284,15 @@ TEST(ConfigReader, BankHasAtMostSixteenModes) {
     modes += "mode { name: \"" + std::to_string(i) + "\" } ";
     for (int j = 0; j < 17; ++j) rows += std::string(i + j > 0 ? ", " : "") + (i == j ? "1" : "0");
   }
-  EXPECT_EQ(bank(modes + "transition: [" + rows + "]"),
-            "test:3:18: tracker.bank.mode = 17 modes: must be at most 16");
+  EXPECT_EQ(bank(modes + "transition: [" + rows + "]"), "test:3:18: tracker.bank.mode = 17 modes: must be at most 16");
 }
 
 TEST(ConfigReader, FieldsOfABankThatWouldBeIgnoredAreRefused) {
   for (const std::string field :
        {"mode { name: \"m\" }", "transition: 1", "initial_probability: 1", "transition_interval_s: 2"}) {
-    EXPECT_THAT(
-        lines_of(bank("name: \"as_printed\" " + field)),
-        ElementsAre("test:3:18: tracker.bank.name = \"as_printed\": must stand alone: the named bank has its "
-                    "modes and its chain"))
+    EXPECT_THAT(lines_of(bank("name: \"as_printed\" " + field)),
+                ElementsAre("test:3:18: tracker.bank.name = \"as_printed\": must stand alone: the named bank has its "
+                            "modes and its chain"))
         << field;
   }
   for (const std::string field : {"transition: 1", "initial_probability: 1", "transition_interval_s: 2"}) {
@@ -324,8 +307,7 @@ TEST(ConfigReader, NoiseStepsDivideTheScanPeriod) {
     return bank("mode { name: \"a\" process_noise { piecewise_acceleration: 1 step_s: " + s + " } }");
   };
   EXPECT_EQ(step("0.25"), "");
-  for (const char* bad : {"0.3", "2", "3600"})
-    EXPECT_THAT(step(bad), HasSubstr("must divide scan_period_s")) << bad;
+  for (const char* bad : {"0.3", "2", "3600"}) EXPECT_THAT(step(bad), HasSubstr("must divide scan_period_s")) << bad;
   EXPECT_THAT(refusal_of(kRadar + kTarget + "scan_period_s: 1.5 tracker { bank { name: \"as_printed\" } }"),
               HasSubstr("must divide scan_period_s"));
 }
@@ -338,8 +320,8 @@ TEST(ConfigReader, EndpointsAreOfThisMachineAlone) {
     return !violations_of(kRadar + kTarget + "stream { bind: \"" + bind + "\" }").empty() &&
            !violations_of(kRadar + kTarget + "control { bind: \"" + bind + "\" }").empty();
   };
-  for (const char* good : {"ipc:///run/dwell", "ipc://@abstract", "tcp://127.0.0.1:0",
-                           "tcp://127.0.0.1:65535", "tcp://127.255.0.9:5556"}) {
+  for (const char* good : {"ipc:///run/dwell", "ipc://@abstract", "tcp://127.0.0.1:0", "tcp://127.0.0.1:65535",
+                           "tcp://127.255.0.9:5556"}) {
     EXPECT_FALSE(refused(good)) << good;
   }
   for (const char* bad : {"",
@@ -398,8 +380,7 @@ TEST(EffectiveConfig, OfAnyBeamwidthGivesTheSameFigures) {
   RandomStream random(3);
   for (int i = 0; i < 1000; ++i) {
     const std::string beamwidth = std::to_string(random.uniform(0.01, 60.0));
-    const DaemonConfig config =
-        config_of("radar { name: \"r\" beamwidth_deg: " + beamwidth + " }\n" + kTarget);
+    const DaemonConfig config = config_of("radar { name: \"r\" beamwidth_deg: " + beamwidth + " }\n" + kTarget);
     const DaemonConfig again = config_of(print(config.effective));
     const auto& figures = std::get<RadarFigures>(config.engine.sensors[0].figures);
     const auto& figures_again = std::get<RadarFigures>(again.engine.sensors[0].figures);

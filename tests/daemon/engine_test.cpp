@@ -100,8 +100,8 @@ TEST(Engine, PolicyChangeKeepsTheTracks) {
 std::string many_targets(int count, const std::string& fields) {
   std::string text;
   for (int i = 0; i < count; ++i) {
-    text += "target { name: \"" + std::to_string(i) + "\" x_m: " + std::to_string(100 * i) +
-            " y_m: 30e3 vx_mps: 20 " + fields + " }\n";
+    text += "target { name: \"" + std::to_string(i) + "\" x_m: " + std::to_string(100 * i) + " y_m: 30e3 vx_mps: 20 " +
+            fields + " }\n";
   }
   return text;
 }
@@ -135,8 +135,7 @@ TEST(Engine, LaterTargetGetsItsTrackAtItsFirstScan) {
   for (std::uint64_t scan = 1; scan <= 5; ++scan) {
     (void)engine.scan();
     ASSERT_EQ(engine.tracks().size(), scan < 3 ? 1 : 2) << scan;
-    EXPECT_EQ(engine.tracks().back().age_scans,
-              scan < 3 ? static_cast<int>(scan) : static_cast<int>(scan) - 3);
+    EXPECT_EQ(engine.tracks().back().age_scans, scan < 3 ? static_cast<int>(scan) : static_cast<int>(scan) - 3);
   }
 }
 
@@ -156,9 +155,8 @@ TEST(Engine, ShareOfFirstPlotStartsIsThatOfTheDetections) {
 
 TEST(Engine, FirstPlotStartIsConsistentInPosition) {
   const int targets = scaled(1000);
-  const Engine engine(
-      engine_config("radar { name: \"r\" azimuth_noise_floor_deg: 0.1 range_noise_floor_m: 30 }\n" +
-                    many_targets(targets, "start { first_plot { speed_sigma_mps: 70 } }")));
+  const Engine engine(engine_config("radar { name: \"r\" azimuth_noise_floor_deg: 0.1 range_noise_floor_m: 30 }\n" +
+                                    many_targets(targets, "start { first_plot { speed_sigma_mps: 70 } }")));
   ASSERT_EQ(std::ssize(engine.tracks()), targets);
   double sum = 0.0;
   for (const Track& track : engine.tracks()) {
@@ -170,8 +168,7 @@ TEST(Engine, FirstPlotStartIsConsistentInPosition) {
 }
 
 TEST(Engine, FirstPlotStartNeedsARadarThatIsUp) {
-  Engine engine(
-      engine_config("radar { name: \"r\" down: true }\n" + many_targets(3, "start { first_plot {} }")));
+  Engine engine(engine_config("radar { name: \"r\" down: true }\n" + many_targets(3, "start { first_plot {} }")));
   for (int i = 0; i < 5; ++i) (void)engine.scan();
   EXPECT_TRUE(engine.tracks().empty());
   engine.set_sensor(0, true);
@@ -206,10 +203,9 @@ TEST(Engine, NearLookEndsTheRunOfFarOnes) {
   // them over 1. Five in a row happen to some tracks, a near one among them saves others.
   int outlived = 0;
   for (int seed = 1; seed <= 40; ++seed) {
-    Engine engine(
-        engine_config("seed: " + std::to_string(seed) +
-                      " radar { name: \"r\" }\ntarget { name: \"t\" y_m: 30e3 }\n"
-                      "tracker { bank { mode { name: \"m\" } } lost_squared_distance: 1 gate: inf }\n"));
+    Engine engine(engine_config("seed: " + std::to_string(seed) +
+                                " radar { name: \"r\" }\ntarget { name: \"t\" y_m: 30e3 }\n"
+                                "tracker { bank { mode { name: \"m\" } } lost_squared_distance: 1 gate: inf }\n"));
     for (int i = 0; i < 5; ++i) (void)engine.scan();
     outlived += engine.tracks()[0].alive() ? 1 : 0;
   }
@@ -239,8 +235,8 @@ TEST(Engine, RepeatOfARecordingIsANewTrack) {
   write_file(directory / "f.csv",
              "time_s,lat,lon,alt_m,id\n0,52,5,100,a\n1,52.1,5,100,a\n2,52.2,5,100,a\n3,52.3,5,100,a\n");
   const DaemonConfig config = read_config_text(
-      "radar { name: \"r\" y_m: -20e3 }\ntarget { name: \"t\" recording { file: \"f.csv\" repeat: true } }",
-      "test", directory.path());
+      "radar { name: \"r\" y_m: -20e3 }\ntarget { name: \"t\" recording { file: \"f.csv\" repeat: true } }", "test",
+      directory.path());
   Engine engine(config.engine);
   std::map<std::uint32_t, std::string> names;
   std::set<std::uint32_t> lost;
@@ -267,8 +263,8 @@ TEST(Engine, LooksOfAScanAreOfDifferentRadarsAndTracks) {
   const std::string config = kBusy + "target { name: \"three\" x_m: 5e3 y_m: 40e3 }\n";
   for (const PolicyDescription& policy : describe_policies(3)) {
     for (std::size_t looks = 1; looks <= 3; ++looks) {
-      Engine engine(engine_config(config + "looks_per_scan: " + std::to_string(looks) + "\npolicy { " +
-                                  policy.name + " {} }"));
+      Engine engine(
+          engine_config(config + "looks_per_scan: " + std::to_string(looks) + "\npolicy { " + policy.name + " {} }"));
       for (int i = 0; i < 50; ++i) {
         const ScanReport& report = engine.scan();
         std::set<std::uint32_t> radars, tracks;

@@ -103,8 +103,7 @@ TEST_F(JournalTest, CutAtAnyByteIsAWholePrefixOrARefusalWithTheOffset) {
       EXPECT_FALSE(journal.end);
     } else {
       const std::size_t start = record == 0 ? 0 : ends[record - 1];
-      EXPECT_THAT(refusal(), HasSubstr("at byte " + std::to_string(start) + ": is damaged or cut off"))
-          << cut;
+      EXPECT_THAT(refusal(), HasSubstr("at byte " + std::to_string(start) + ": is damaged or cut off")) << cut;
     }
   }
 }
@@ -119,15 +118,13 @@ TEST_F(JournalTest, AnyFlippedBitIsRefusedWithAnOffset) {
   };
   for (std::size_t bit = 0; bit < 8 * whole.size(); ++bit) {
     put(bit / 8, whole[bit / 8] ^ (1 << (bit % 8)));
-    ASSERT_THAT(refusal(), HasSubstr(": is damaged or cut off"))
-        << "bit " << bit % 8 << " of byte " << bit / 8;
+    ASSERT_THAT(refusal(), HasSubstr(": is damaged or cut off")) << "bit " << bit % 8 << " of byte " << bit / 8;
     put(bit / 8, whole[bit / 8]);
   }
 }
 
 TEST_F(JournalTest, FileThatIsNoJournalIsRefused) {
-  for (const std::string& bytes :
-       {std::string(), std::string("radar { name: \"r\" }"), std::string(4096, '\0')}) {
+  for (const std::string& bytes : {std::string(), std::string("radar { name: \"r\" }"), std::string(4096, '\0')}) {
     write_file(file_, bytes);
     EXPECT_THAT(refusal(), AnyOf(HasSubstr("at byte 0"), HasSubstr("is empty")));
   }

@@ -80,8 +80,7 @@ TEST(PolicyText, EveryChoiceOfAnEnumIsTakenInEitherCase) {
 }
 
 TEST(PolicyText, UnknownPolicyListsTheValid) {
-  for (const char* text :
-       {"", "sa_im", "SA_IMM", " sa_imm", "sa_imm ", "sa_imm=1", "kind", ":", "=", "sa_imm,fixed"}) {
+  for (const char* text : {"", "sa_im", "SA_IMM", " sa_imm", "sa_imm ", "sa_imm=1", "kind", ":", "=", "sa_imm,fixed"}) {
     const std::string refused = effective(text);
     EXPECT_THAT(refused, HasSubstr("policy")) << text;
     for (const std::string& name : policy_names()) EXPECT_THAT(refused, HasSubstr(name)) << text;

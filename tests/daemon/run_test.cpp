@@ -161,8 +161,7 @@ TEST_F(RunTest, IdIsOneTo64CharactersAndClientAtMost64) {
 /// A reply whose text were cut inside a character could not be read by any client.
 TEST_F(RunTest, RepliesAreValidUtf8) {
   std::string wide;
-  for (int i = 0; i < 100; ++i)
-    wide += "\u20ac";  // 3 bytes each: neither 64 nor 80 is a whole number of them
+  for (int i = 0; i < 100; ++i) wide += "\u20ac";  // 3 bytes each: neither 64 nor 80 is a whole number of them
   for (const v1::Request& message :
        {set_policy(wide, "fixed"), set_policy("a", wide), set_policy("b", "sa_imm:" + wide),
         set_policy("c", "sa_imm:nodes=" + wide), set_radar("d", wide, true)}) {
@@ -172,15 +171,12 @@ TEST_F(RunTest, RepliesAreValidUtf8) {
   }
 }
 
-TEST_F(RunTest, RequestWithoutBodyIsMalformed) {
-  EXPECT_EQ(refused(request("a")).reason(), v1::Refused::MALFORMED);
-}
+TEST_F(RunTest, RequestWithoutBodyIsMalformed) { EXPECT_EQ(refused(request("a")).reason(), v1::Refused::MALFORMED); }
 
 TEST_F(RunTest, FieldsOfANewerVersionAreUnsupported) {
   v1::Request message = request("a");
   message.GetReflection()->MutableUnknownFields(&message)->AddVarint(99, 1);
-  EXPECT_EQ(refused(message).reason(), v1::Refused::UNSUPPORTED)
-      << "a command that this version does not know";
+  EXPECT_EQ(refused(message).reason(), v1::Refused::UNSUPPORTED) << "a command that this version does not know";
   message = set_policy("a", "fixed");
   auto* inner = message.mutable_set_policy();
   inner->GetReflection()->MutableUnknownFields(inner)->AddVarint(99, 1);

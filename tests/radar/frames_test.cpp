@@ -93,8 +93,7 @@ TEST(ToPolar, RoundTripReturnsThePoint) {
     const double scale = std::pow(10.0, stream.uniform(-2.0, 5.5));
     const Vector2 point = origin + scale * Vector2(stream.uniform(-1.0, 1.0), stream.uniform(-1.0, 1.0));
     const Vector2 back = to_cartesian(origin, to_polar(origin, point));
-    EXPECT_LE((back - point).norm(),
-              8.0 * std::numeric_limits<double>::epsilon() * (origin.norm() + point.norm()));
+    EXPECT_LE((back - point).norm(), 8.0 * std::numeric_limits<double>::epsilon() * (origin.norm() + point.norm()));
   }
 }
 

@@ -34,8 +34,7 @@ StateMatrix turning(double w, double dt_s) {
 /// Straight, left and right at 5 degrees a second; no noise, so that speed is constant.
 JumpMarkovSystem three_modes() {
   JumpMarkovSystem system;
-  for (const double rate_dps : {0.0, 5.0, -5.0})
-    system.transition_matrix.push_back(turning(rate_dps * kDegree, 1.0));
+  for (const double rate_dps : {0.0, 5.0, -5.0}) system.transition_matrix.push_back(turning(rate_dps * kDegree, 1.0));
   system.process_noise_root.assign(3, StateMatrix::Zero());
   system.transition.resize(3, 3);
   system.transition << 0.90, 0.07, 0.03, 0.20, 0.80, 0.00, 0.10, 0.25, 0.65;
@@ -203,8 +202,7 @@ TEST(JumpMarkovTrajectory, StaysWithinItsAreaAndTheTurnBeyondIt) {
   // which the bearing of the centre moves in a step).
   const double rho = 200.0 / area.turn_rate_radps;
   const double turning_s = 120.0 * kDegree / (area.turn_rate_radps * (1.0 - rho / area.radius_m));
-  const double closing_s =
-      (farthest_m(area, 200.0, 1.0) - area.radius_m) / (200.0 * std::cos(66.0 * kDegree));
+  const double closing_s = (farthest_m(area, 200.0, 1.0) - area.radius_m) / (200.0 * std::cos(66.0 * kDegree));
   EXPECT_LE(longest_outside, turning_s + closing_s + 2.0);
 }
 

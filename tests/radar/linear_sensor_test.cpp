@@ -35,8 +35,7 @@ TEST(LinearSensor, ResidualIsAPlainDifferenceWithoutWrapping) {
 }
 
 TEST(LinearSensor, HasNoBeamNoClutterAndNoPosition) {
-  EXPECT_TRUE(
-      (make_sensor().footprint_half_extent().array() == std::numeric_limits<double>::infinity()).all());
+  EXPECT_TRUE((make_sensor().footprint_half_extent().array() == std::numeric_limits<double>::infinity()).all());
   EXPECT_EQ(make_sensor().clutter_density(), 0.0);
   EXPECT_FALSE(make_sensor().position_of({1.0, 2.0}).has_value());
 }

@@ -52,8 +52,7 @@ bool same(const Plot& a, const Plot& b) {
 }
 
 bool same(const std::vector<Plot>& a, const std::vector<Plot>& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](const Plot& x, const Plot& y) { return same(x, y); });
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Plot& x, const Plot& y) { return same(x, y); });
 }
 
 /// Sums over whitened errors whose exact laws are known: N(0, n), chi-square(n), and for the cross term
@@ -100,8 +99,7 @@ TEST_P(LookNoise, HasTheSigmaOfTheRadarEquation) {
   const double snr = 1e5 * std::pow(100e3 / range_m, 4);
   const double sigma_range =
       std::sqrt(std::pow(0.5 * 299792458.0 * 50e-9, 2) / (2.0 * snr) + std::pow(range_floor_m, 2));
-  const double sigma_azimuth =
-      std::sqrt(std::pow(kPi / 180.0 / 1.6, 2) / (2.0 * snr) + std::pow(azimuth_floor_rad, 2));
+  const double sigma_azimuth = std::sqrt(std::pow(kPi / 180.0 / 1.6, 2) / (2.0 * snr) + std::pow(azimuth_floor_rad, 2));
 
   const State target = at(figures, range_m, kPi);
   WhitenedSums sums;
@@ -163,8 +161,7 @@ TEST(Look, SeesAFixedShareOfItsLooks) {
       figures.detection = FixedDetection{probability};
       const State target = at(figures, range_m, 0.4);
       const int seen = times_seen(RangeBearingRadar(figures), target, target, count);
-      EXPECT_TRUE(binomial_band(count, probability).contains(seen))
-          << seen << " of " << count << ", " << probability;
+      EXPECT_TRUE(binomial_band(count, probability).contains(seen)) << seen << " of " << count << ", " << probability;
       EXPECT_FALSE(binomial_band(count, 0.5 * probability).contains(seen)) << probability;
     }
   }
@@ -180,8 +177,7 @@ TEST(Look, SeesTheShareOfSwerlingOne) {
     const double snr = 20.0 * std::pow(100e3 / range_m, 4);
     const State target = at(figures, range_m, -2.0);
     const int seen = times_seen(RangeBearingRadar(figures), target, target, count);
-    EXPECT_TRUE(binomial_band(count, std::pow(1e-5, 1.0 / (1.0 + snr))).contains(seen))
-        << range_m << ": " << seen;
+    EXPECT_TRUE(binomial_band(count, std::pow(1e-5, 1.0 / (1.0 + snr))).contains(seen)) << range_m << ": " << seen;
     EXPECT_FALSE(binomial_band(count, std::pow(1e-5, 1.0 / (1.0 + 2.0 * snr))).contains(seen)) << range_m;
   }
 }
@@ -280,9 +276,7 @@ void expect_uniform_clutter(const Clutter& clutter, const Box& box, double densi
     across.push_back(0.5 + 0.5 * clutter.offsets_rad[i] / box.half_rad);
     ASSERT_TRUE(along[i] >= 0.0 && along[i] <= 1.0) << clutter.ranges_m[i];
     ASSERT_TRUE(across[i] >= -1e-12 && across[i] <= 1.0 + 1e-12) << clutter.offsets_rad[i];
-    const auto cell = [](double x) {
-      return static_cast<std::size_t>(std::clamp(x, 0.0, 0.999999) * kCells);
-    };
+    const auto cell = [](double x) { return static_cast<std::size_t>(std::clamp(x, 0.0, 0.999999) * kCells); };
     observed[cell(along[i]) * kCells + cell(across[i])] += 1.0;
   }
   const auto uniform = [](double x) { return std::clamp(x, 0.0, 1.0); };
@@ -306,13 +300,11 @@ TEST(FalseAlarms, ArePoissonAndUniformOverTheFootprint) {
 }
 
 TEST(FalseAlarms, CrossSouthWithoutAGap) {
-  expect_uniform_clutter(clutter_of(cluttered(), 60e3, kPi, scaled(20'000)), {50e3, 70e3, 3.0 * kDegree},
-                         3e-3);
+  expect_uniform_clutter(clutter_of(cluttered(), 60e3, kPi, scaled(20'000)), {50e3, 70e3, 3.0 * kDegree}, 3e-3);
 }
 
 TEST(FalseAlarms, AreClippedAtTheRadar) {
-  expect_uniform_clutter(clutter_of(cluttered(), 4e3, -1.0, scaled(20'000)), {0.0, 14e3, 3.0 * kDegree},
-                         3e-3);
+  expect_uniform_clutter(clutter_of(cluttered(), 4e3, -1.0, scaled(20'000)), {0.0, 14e3, 3.0 * kDegree}, 3e-3);
 }
 
 TEST(FalseAlarms, AreClippedAtTheGreatestRange) {
@@ -395,8 +387,8 @@ TEST(Look, FurtherTargetsDoNotShiftTheOthers) {
   const auto one = look(radar, dwell, {crowd.targets[1]});
   ASSERT_EQ(one.size() + 2, all.size());
   EXPECT_TRUE(same(one[0], all[1]));
-  EXPECT_TRUE(std::equal(one.begin() + 1, one.end(), all.begin() + 3,
-                         [](const Plot& a, const Plot& b) { return same(a, b); }));
+  EXPECT_TRUE(
+      std::equal(one.begin() + 1, one.end(), all.begin() + 3, [](const Plot& a, const Plot& b) { return same(a, b); }));
 }
 
 TEST(Look, AimingElsewhereDoesNotChangeTheTargetsPlot) {

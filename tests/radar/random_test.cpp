@@ -31,12 +31,10 @@ std::vector<std::uint64_t> first_bits(RandomStream stream, int count = 8) {
 // the values of `rand_xoshiro` for the state {1, 2, 3, 4} as well.
 TEST(RandomStream, IsXoshiro256PlusPlusSeededBySplitMix64) {
   using Bits = std::vector<std::uint64_t>;
-  EXPECT_EQ(first_bits(RandomStream(0), 6),
-            (Bits{5987356902031041503U, 7051070477665621255U, 6633766593972829180U, 211316841551650330U,
-                  9136120204379184874U, 379361710973160858U}));
-  EXPECT_EQ(first_bits(RandomStream(1), 6),
-            (Bits{14971601782005023387U, 13781649495232077965U, 1847458086238483744U, 13765271635752736470U,
-                  3406718355780431780U, 10892412867582108485U}));
+  EXPECT_EQ(first_bits(RandomStream(0), 6), (Bits{5987356902031041503U, 7051070477665621255U, 6633766593972829180U,
+                                                  211316841551650330U, 9136120204379184874U, 379361710973160858U}));
+  EXPECT_EQ(first_bits(RandomStream(1), 6), (Bits{14971601782005023387U, 13781649495232077965U, 1847458086238483744U,
+                                                  13765271635752736470U, 3406718355780431780U, 10892412867582108485U}));
   EXPECT_EQ(first_bits(RandomStream(0x0123456789abcdefU), 6),
             (Bits{12894547976146112965U, 13060546973698163859U, 9776369938591126704U, 17383100870092771323U,
                   13236038908517254818U, 14098109951495950535U}));
@@ -89,8 +87,7 @@ TEST(RandomStream, DifferentNamesNumbersAndSeedsAreDifferentStreams) {
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     const RandomStream root(seed);
     add(root);
-    for (const char* name :
-         {"", "a", "b", "ab", "ba", "radar/1", "radar/2", "track/1/start", "false_alarms"}) {
+    for (const char* name : {"", "a", "b", "ab", "ba", "radar/1", "radar/2", "track/1/start", "false_alarms"}) {
       add(root.fork(name));
       add(root.fork(name).fork(name));
     }
@@ -126,8 +123,7 @@ TEST(RandomStream, FirstDrawsOfNumberedForksAreUniform) {
   const int count = scaled(100'000);
   const RandomStream root = RandomStream(5).fork("radar/1");
   std::vector<double> draws;
-  for (int i = 0; i < count; ++i)
-    draws.push_back(root.fork(static_cast<std::uint64_t>(i) * 1'000'000'000U).uniform());
+  for (int i = 0; i < count; ++i) draws.push_back(root.fork(static_cast<std::uint64_t>(i) * 1'000'000'000U).uniform());
   EXPECT_LE(kolmogorov_distance(draws, [](double x) { return x; }), kolmogorov_bound(count));
 }
 
@@ -252,8 +248,7 @@ TEST(Normal, TailsAreAsHeavyAsTheyShouldBe) {
   for (const double limit : {2.0, 3.0, 4.0}) {
     int beyond = 0;
     for (const double draw : normals(20, count)) beyond += std::abs(draw) > limit;
-    EXPECT_TRUE(statistics::binomial_band(count, 2.0 * statistics::normal_cdf(-limit)).contains(beyond))
-        << limit;
+    EXPECT_TRUE(statistics::binomial_band(count, 2.0 * statistics::normal_cdf(-limit)).contains(beyond)) << limit;
   }
 }
 
@@ -274,8 +269,7 @@ TEST(Poisson, HasThePoissonDistribution) {
   for (const double mean : {0.01, 0.7, 8.0, 120.0, 499.9, 500.1, 1300.0}) {
     const int count = scaled(mean < 100.0 ? 200'000 : 40'000);
     const auto [statistic, degrees] = fit_of_poisson(mean, mean, count);
-    EXPECT_TRUE(chi_square_band(degrees).contains(statistic))
-        << mean << ": " << statistic << " of " << degrees;
+    EXPECT_TRUE(chi_square_band(degrees).contains(statistic)) << mean << ": " << statistic << " of " << degrees;
     const auto [wrong, wrong_degrees] = fit_of_poisson(mean + 0.2 * std::sqrt(mean), mean, count);
     EXPECT_FALSE(chi_square_band(wrong_degrees).contains(wrong)) << mean;
   }

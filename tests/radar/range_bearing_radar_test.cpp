@@ -45,10 +45,8 @@ TEST(RangeBearingRadar, NoiseAtTheReferenceIsTheHandValue) {
 TEST(RangeBearingRadar, RangeNoiseGoesWithThePulseAndAzimuthNoiseWithTheBeam) {
   RadarFigures figures;
   figures.pulse_length_s *= 3.0;
-  EXPECT_DOUBLE_EQ(RangeBearingRadar(figures).range_sigma_m(7e4),
-                   3.0 * RangeBearingRadar({}).range_sigma_m(7e4));
-  EXPECT_DOUBLE_EQ(RangeBearingRadar(figures).azimuth_sigma_rad(7e4),
-                   RangeBearingRadar({}).azimuth_sigma_rad(7e4));
+  EXPECT_DOUBLE_EQ(RangeBearingRadar(figures).range_sigma_m(7e4), 3.0 * RangeBearingRadar({}).range_sigma_m(7e4));
+  EXPECT_DOUBLE_EQ(RangeBearingRadar(figures).azimuth_sigma_rad(7e4), RangeBearingRadar({}).azimuth_sigma_rad(7e4));
   figures.beamwidth_rad *= 2.0;
   EXPECT_DOUBLE_EQ(RangeBearingRadar(figures).azimuth_sigma_rad(7e4),
                    2.0 * RangeBearingRadar({}).azimuth_sigma_rad(7e4));
@@ -61,10 +59,8 @@ TEST(RangeBearingRadar, FloorsAddInQuadratureAndRemainAtZeroRange) {
   const RangeBearingRadar floored(figures);
   const RangeBearingRadar bare({});
   for (const double range_m : {1.0, 1e3, 1e5, 1e6, 3e6}) {
-    EXPECT_NEAR(floored.range_sigma_m(range_m), std::hypot(bare.range_sigma_m(range_m), 4.0),
-                1e-12 * range_m);
-    EXPECT_NEAR(floored.azimuth_sigma_rad(range_m), std::hypot(bare.azimuth_sigma_rad(range_m), 1e-3),
-                1e-15 * range_m);
+    EXPECT_NEAR(floored.range_sigma_m(range_m), std::hypot(bare.range_sigma_m(range_m), 4.0), 1e-12 * range_m);
+    EXPECT_NEAR(floored.azimuth_sigma_rad(range_m), std::hypot(bare.azimuth_sigma_rad(range_m), 1e-3), 1e-15 * range_m);
   }
   EXPECT_DOUBLE_EQ(floored.range_sigma_m(1.0), 4.0);
   EXPECT_DOUBLE_EQ(floored.azimuth_sigma_rad(1.0), 1e-3);
@@ -162,9 +158,7 @@ TEST(RangeBearingRadar, SwerlingOneIsTheHandValue) {
   figures.snr_reference = 3.0;
   figures.detection = SwerlingOneDetection{1e-4};
   const RangeBearingRadar radar(figures);
-  const auto probability = [&](double range_m) {
-    return radar.detection_probability(at(figures, range_m, -120.0));
-  };
+  const auto probability = [&](double range_m) { return radar.detection_probability(at(figures, range_m, -120.0)); };
   EXPECT_NEAR(probability(100e3), 1e-1, 1e-14);
   EXPECT_NEAR(probability(100e3 * std::pow(3.0, 0.25)), 1e-2, 1e-14);
   EXPECT_NEAR(probability(1e9), 1e-4, 1e-14);

@@ -49,9 +49,8 @@ std::string rows(const std::string& id) {
 }
 
 TEST(ReadRecording, ReadsWhatTheRowsSay) {
-  const auto flights =
-      read(std::string(kHeader) + "1527693700.25,52.5,-4.75,94.91,a\n" + "1527693701,52.6,-4.74,-12,a\n" +
-           "1527693702,1e1,0,0,a\n" + "1527693703,-90,180,1e3,a\n");
+  const auto flights = read(std::string(kHeader) + "1527693700.25,52.5,-4.75,94.91,a\n" +
+                            "1527693701,52.6,-4.74,-12,a\n" + "1527693702,1e1,0,0,a\n" + "1527693703,-90,180,1e3,a\n");
   ASSERT_EQ(flights.size(), 1U);
   EXPECT_EQ(flights[0].id, "a");
   ASSERT_EQ(flights[0].samples.size(), 4U);
@@ -124,9 +123,8 @@ TEST_P(BadNumber, IsRefusedInEveryColumn) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, BadNumber,
-                         testing::Values("nan", "NaN", "-nan", "inf", "-inf", "infinity", "1e400", "-1e400",
-                                         "1e10", "", " ", "x", "1x", "1 ", " 1", "0x10", "1.5.2", "--1",
-                                         "\"1\""));
+                         testing::Values("nan", "NaN", "-nan", "inf", "-inf", "infinity", "1e400", "-1e400", "1e10", "",
+                                         " ", "x", "1x", "1 ", " 1", "0x10", "1.5.2", "--1", "\"1\""));
 
 TEST(ReadRecording, HoldsTheLimitsToTheLastDigit) {
   const std::string good = kHeader + rows("a");
@@ -218,8 +216,7 @@ RecordedFlight flight_of(const std::vector<double>& times_s, const std::vector<P
 }
 
 /// A flight along a curve of east, north and up (metres) in the plane at 47 N 8 E.
-RecordedFlight flown(const std::vector<double>& times_s,
-                     const std::function<Eigen::Vector3d(double)>& curve) {
+RecordedFlight flown(const std::vector<double>& times_s, const std::function<Eigen::Vector3d(double)>& curve) {
   const GeographicLib::LocalCartesian plane(47.0, 8.0, 0.0);
   std::vector<Place> places;
   for (const double t : times_s) {
@@ -232,9 +229,7 @@ RecordedFlight flown(const std::vector<double>& times_s,
 }
 
 /// Times with steps between 0.4 and 2.9 s: nothing below may rely on an even grid.
-std::vector<double> uneven_times() {
-  return {0.0, 1.0, 1.4, 4.0, 5.5, 6.0, 8.9, 10.0, 11.0, 13.0, 13.5, 15.0};
-}
+std::vector<double> uneven_times() { return {0.0, 1.0, 1.4, 4.0, 5.5, 6.0, 8.9, 10.0, 11.0, 13.0, 13.5, 15.0}; }
 
 /// A weaving climb: every derivative is there.
 RecordedFlight weaving() {
@@ -244,12 +239,8 @@ RecordedFlight weaving() {
   });
 }
 
-Vector2 position_at(const FlightPath& path, double time_s) {
-  return position(path.state(from_seconds(time_s)));
-}
-Vector2 velocity_at(const FlightPath& path, double time_s) {
-  return velocity(path.state(from_seconds(time_s)));
-}
+Vector2 position_at(const FlightPath& path, double time_s) { return position(path.state(from_seconds(time_s))); }
+Vector2 velocity_at(const FlightPath& path, double time_s) { return velocity(path.state(from_seconds(time_s))); }
 
 // Four samples on a meridian, one degree either side of 48 N. The northing of the outer ones in the tangent
 // plane is the meridian's arc, each piece seen under the angle it has turned by:
@@ -317,8 +308,7 @@ TEST(FlightPath, PassesThroughItsSamples) {
 }
 
 TEST(FlightPath, MiddleOfTheBoxIsTheOrigin) {
-  const FlightPath path(flight_of({0, 1, 2, 3}, {{10, 20}, {10, 20.2}, {10.1, 20.1}, {9.9, 20.1}}),
-                        Duration{0}, kAll);
+  const FlightPath path(flight_of({0, 1, 2, 3}, {{10, 20}, {10, 20.2}, {10.1, 20.1}, {9.9, 20.1}}), Duration{0}, kAll);
   EXPECT_NEAR(position_at(path, 0.0).x(), -position_at(path, 1.0).x(), 1e-7);
   EXPECT_NEAR(position_at(path, 2.0).x(), 0.0, 1e-7);
   EXPECT_NEAR(position_at(path, 3.0).x(), 0.0, 1e-7);
@@ -373,8 +363,7 @@ struct OneSided {
   Vector2 acceleration;
 };
 OneSided one_sided(const FlightPath& path, double t, double h) {
-  const Vector2 v1 = velocity_at(path, t + h), v2 = velocity_at(path, t + 2 * h),
-                v3 = velocity_at(path, t + 3 * h);
+  const Vector2 v1 = velocity_at(path, t + h), v2 = velocity_at(path, t + 2 * h), v3 = velocity_at(path, t + 3 * h);
   return {3.0 * v1 - 3.0 * v2 + v3, (-2.5 * v1 + 4.0 * v2 - 1.5 * v3) / h};
 }
 
@@ -406,8 +395,7 @@ TEST(FlightPath, HasNoCurvatureAtItsEnds) {
 
 /// The same places `shift` degrees of longitude farther round the earth, in [-180, 180].
 RecordedFlight shifted(RecordedFlight flight, double shift_deg) {
-  for (auto& sample : flight.samples)
-    sample.longitude_deg = std::remainder(sample.longitude_deg + shift_deg, 360.0);
+  for (auto& sample : flight.samples) sample.longitude_deg = std::remainder(sample.longitude_deg + shift_deg, 360.0);
   return flight;
 }
 
@@ -442,8 +430,7 @@ TEST(FlightPath, UsesTheSamplesOfItsSpan) {
 
 TEST(FlightPath, TakesEveryTimeThatTheReaderTakes) {
   std::string text = kHeader;
-  for (const char* time : {"-4600000000", "-1", "0.5", "4600000000"})
-    text += std::string(time) + ",1,2,3,a\n";
+  for (const char* time : {"-4600000000", "-1", "0.5", "4600000000"}) text += std::string(time) + ",1,2,3,a\n";
   const RecordedFlight flight = read(text)[0];
   EXPECT_EQ(FlightPath::samples_in(flight, Duration{0}, kAll), 4);
   EXPECT_EQ(FlightPath::samples_in(flight, from_seconds(4.6e9), from_seconds(9e9)), 2);

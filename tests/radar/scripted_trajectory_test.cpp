@@ -35,8 +35,7 @@ State state_at(const Script& script, double time_s) {
 
 // Positions of 1e5 m are rounded at each step, 1.5e-11 m: 1e-9 over some dozens of steps.
 void expect_near(const State& actual, const State& expected, double bound = 1e-9) {
-  EXPECT_LE((actual - expected).cwiseAbs().maxCoeff(), bound)
-      << actual.transpose() << " not " << expected.transpose();
+  EXPECT_LE((actual - expected).cwiseAbs().maxCoeff(), bound) << actual.transpose() << " not " << expected.transpose();
 }
 
 TEST(ScriptedTrajectory, FliesStraightWithoutLegs) {
@@ -79,9 +78,9 @@ State accelerated(const Script& flight, double time_s) {
   const double after = std::max(0.0, time_s - to_seconds(leg.end));
   const Vector2 v0 = velocity(flight.initial);
   const Vector2 v1 = v0 + leg.acceleration_mps2 * inside;
-  return make_state(position(flight.initial) + v0 * (before + inside) +
-                        0.5 * leg.acceleration_mps2 * inside * inside + v1 * after,
-                    v1);
+  return make_state(
+      position(flight.initial) + v0 * (before + inside) + 0.5 * leg.acceleration_mps2 * inside * inside + v1 * after,
+      v1);
 }
 
 // Boundaries on scans, between scans, and a leg that begins and ends within one scan.
@@ -90,16 +89,14 @@ TEST(ScriptedTrajectory, AcceleratesAsTheClosedFormWhereverTheLegBegins) {
        {std::pair{3.0, 6.0}, {2.3, 4.7}, {4.0, 4.5}, {4.2, 4.7}, {0.0, 1.0}, {9.5, 20.0}}) {
     const Script flight = script({1e4, -2e4}, {200.0, -100.0}, {acceleration(start_s, end_s, {-20.0, 35.0})});
     ScriptedTrajectory trajectory(flight, RandomStream(1));
-    for (int scan = 0; scan <= 12; ++scan)
-      expect_near(*trajectory.advance(at_s(scan)), accelerated(flight, scan));
+    for (int scan = 0; scan <= 12; ++scan) expect_near(*trajectory.advance(at_s(scan)), accelerated(flight, scan));
   }
 }
 
 // Evans, scenario 1: 2000 m/s south, (500, 400) m/s of change over 25 < t <= 28 s.
 // Positions by hand: y(25) = 200e3 - 50e3; y(28) = 150e3 - 6e3 + 600 = 144.6e3; x(28) = 100e3 + 750.
 TEST(ScriptedTrajectory, FliesTheManoeuvreOfEvans) {
-  const Script flight =
-      script({100e3, 200e3}, {0.0, -2000.0}, {acceleration(25.0, 28.0, {500.0 / 3.0, 400.0 / 3.0})});
+  const Script flight = script({100e3, 200e3}, {0.0, -2000.0}, {acceleration(25.0, 28.0, {500.0 / 3.0, 400.0 / 3.0})});
   expect_near(state_at(flight, 25.0), make_state({100e3, 150e3}, {0.0, -2000.0}));
   expect_near(state_at(flight, 28.0), make_state({100.75e3, 144.6e3}, {500.0, -1600.0}));
   expect_near(state_at(flight, 60.0), make_state({116.75e3, 93.4e3}, {500.0, -1600.0}));
@@ -148,14 +145,13 @@ TEST(ScriptedTrajectory, TurnStaysOnItsCircle) {
 // The law of any exact integration: where one is at a time does not depend on the steps that led there.
 TEST(ScriptedTrajectory, DoesNotDependOnTheScanPeriod) {
   const Script flight = script({1e3, 2e3}, {150.0, 20.0},
-                               {acceleration(0.0, 2.25, {5.0, -3.0}), turn(2.25, 7.4, 0.1),
-                                turn(7.4, 9.9, -0.3), acceleration(11.3, 11.4, {100.0, 0.0})});
+                               {acceleration(0.0, 2.25, {5.0, -3.0}), turn(2.25, 7.4, 0.1), turn(7.4, 9.9, -0.3),
+                                acceleration(11.3, 11.4, {100.0, 0.0})});
   const State direct = state_at(flight, 13.0);
   for (const double period_s : {0.1, 0.25, 1.0, 6.5}) {
     ScriptedTrajectory trajectory(flight, RandomStream(1));
     State last = flight.initial;
-    for (TimePoint t = kStreamStart; t <= at_s(13.0); t += from_seconds(period_s))
-      last = *trajectory.advance(t);
+    for (TimePoint t = kStreamStart; t <= at_s(13.0); t += from_seconds(period_s)) last = *trajectory.advance(t);
     expect_near(last, direct);
   }
 }
@@ -170,8 +166,7 @@ void expect_standard_normal(const std::vector<State>& draws) {
     EXPECT_TRUE(normal_sum_band(n).contains(sum)) << i;
     for (int j = 0; j <= i; ++j) {
       double squares = 0.0;
-      for (const State& draw : draws)
-        squares += i == j ? draw[i] * draw[i] : 0.5 * std::pow(draw[i] + draw[j], 2);
+      for (const State& draw : draws) squares += i == j ? draw[i] * draw[i] : 0.5 * std::pow(draw[i] + draw[j], 2);
       EXPECT_TRUE(chi_square_band(n).contains(squares)) << i << ' ' << j << ": " << squares;
     }
   }
@@ -229,8 +224,7 @@ TEST(ScriptedTrajectory, ProcessNoiseAddsUpOverScans) {
   flight.process_noise_root = full_root();
   StateMatrix covariance = StateMatrix::Zero();
   for (int k = 0; k < 7; ++k) {
-    covariance =
-        straight(1.0) * covariance * straight(1.0).transpose() + full_root() * full_root().transpose();
+    covariance = straight(1.0) * covariance * straight(1.0).transpose() + full_root() * full_root().transpose();
   }
   expect_standard_normal(deviations(flight, 7, covariance, scaled(20'000)));
 }
@@ -271,8 +265,7 @@ TEST(ScriptedTrajectory, NoiseScaleIsThatOfTheScanTime) {
 TEST(ScriptedTrajectory, SameStreamIsTheSameFlight) {
   Script flight = script({1e3, 2e3}, {30.0, 40.0});
   flight.process_noise_root = full_root();
-  ScriptedTrajectory one(flight, RandomStream(5)), two(flight, RandomStream(5)),
-      other(flight, RandomStream(6));
+  ScriptedTrajectory one(flight, RandomStream(5)), two(flight, RandomStream(5)), other(flight, RandomStream(6));
   for (int scan = 0; scan <= 100; ++scan) {
     const auto x = one.advance(at_s(scan));
     EXPECT_EQ(two.advance(at_s(scan)), x);

@@ -36,11 +36,10 @@ Estimate mean_x_variance(const PolicySettings& policy) {
 
 void expect_as_reproduced(const char* what, const PolicySettings& policy, double reference, double reference_error) {
   const Estimate ours = mean_x_variance(policy);
-  std::printf("%-22s %8.3f (%.3f) reference %.3f (%.3f) x 1e-4 m^2\n", what, 1e4 * ours.mean,
-              1e4 * ours.standard_error, 1e4 * reference, 1e4 * reference_error);
+  std::printf("%-22s %8.3f (%.3f) reference %.3f (%.3f) x 1e-4 m^2\n", what, 1e4 * ours.mean, 1e4 * ours.standard_error,
+              1e4 * reference, 1e4 * reference_error);
   // 1 %, the rounding and modelling left open, or 4 standard errors of the difference: 6e-5 false alarms each.
-  const double tolerance =
-      std::max(0.01 * reference, 4.0 * std::hypot(ours.standard_error, reference_error));
+  const double tolerance = std::max(0.01 * reference, 4.0 * std::hypot(ours.standard_error, reference_error));
   EXPECT_NEAR(ours.mean, reference, tolerance) << what;
 }
 

@@ -18,7 +18,7 @@ constexpr std::uint64_t kScans = 1800;
 struct Flight {
   double squared_error = 0.0;  // of position, summed over scans
   double scans = 0.0;
-  double nees = 0.0;           // of the whole state, summed over updates
+  double nees = 0.0;  // of the whole state, summed over updates
   double updates = 0.0;
 
   double rms_m() const { return std::sqrt(squared_error / scans); }

@@ -20,8 +20,7 @@ namespace dwell {
 namespace {
 
 constexpr double kScanPeriod_s = 1.0;
-constexpr double kDensity =
-    10.0;  // m^2/s^3: with the sensors below a tracking index at which Q counts as much as R
+constexpr double kDensity = 10.0;  // m^2/s^3: with the sensors below a tracking index at which Q counts as much as R
 
 struct Setting {
   const Sensor* sensor;
@@ -57,8 +56,7 @@ void run_once(const Setting& setting, RandomStream& stream, Sums& sums) {
     Vector2 z = setting.sensor->measure(truth) + r_root * Vector2(stream.normal(), stream.normal());
     const TimePoint time = kStreamStart + from_seconds(k * kScanPeriod_s);
     const Plot plot{time, RadarId{1}, z, std::nullopt};
-    (void)tracker.look(track, *setting.sensor, {RadarId{1}, TrackId{1}, time, track.combined.mean},
-                       {&plot, 1});
+    (void)tracker.look(track, *setting.sensor, {RadarId{1}, TrackId{1}, time, track.combined.mean}, {&plot, 1});
     ASSERT_TRUE(track.nis);
     sums.nis += *track.nis;
     ++sums.plots;
@@ -90,8 +88,7 @@ void record_means(const Sums& sums) {
 
 /// Correlated errors of 5 and 8 m on the axes, after a start within 100 m and 20 m/s.
 Setting linear_setting(double believed_density) {
-  static const LinearSensor sensor(position_selector(), (Matrix2() << 25.0, 16.0, 16.0, 64.0).finished(),
-                                   1.0);
+  static const LinearSensor sensor(position_selector(), (Matrix2() << 25.0, 16.0, 16.0, 64.0).finished(), 1.0);
   return {&sensor, {{1e3, 50.0, -2e3, 80.0}, State(1e4, 400.0, 1e4, 400.0).asDiagonal()}, believed_density};
 }
 
@@ -99,8 +96,7 @@ Setting linear_setting(double believed_density) {
 TEST(Consistency, LinearFilterHasChiSquareNees) {
   const Sums matched = run(linear_setting(kDensity), scaled(2000));
   record_means(matched);
-  EXPECT_TRUE(nees_fits(matched)) << matched.nees / matched.runs << " and "
-                                  << matched.position_nees / matched.runs;
+  EXPECT_TRUE(nees_fits(matched)) << matched.nees / matched.runs << " and " << matched.position_nees / matched.runs;
 }
 
 TEST(Consistency, NeesSeesATenthOfTheNoise) {
@@ -134,10 +130,7 @@ Setting radar_setting(double believed_density, UpdateForm form) {
   figures.range_noise_floor_m = 5.0;
   figures.azimuth_noise_floor_rad = 0.5e-3;
   static const RangeBearingRadar radar(figures);
-  return {&radar,
-          {{-3e4, 100.0, -52e3, 170.0}, State(1e4, 400.0, 1e4, 400.0).asDiagonal()},
-          believed_density,
-          form};
+  return {&radar, {{-3e4, 100.0, -52e3, 170.0}, State(1e4, 400.0, 1e4, 400.0).asDiagonal()}, believed_density, form};
 }
 
 class RadarConsistency : public testing::TestWithParam<UpdateForm> {};
@@ -148,8 +141,7 @@ INSTANTIATE_TEST_SUITE_P(Forms, RadarConsistency, testing::Values(UpdateForm::kE
 TEST_P(RadarConsistency, HasChiSquareNeesAndNis) {
   const Sums matched = run(radar_setting(kDensity, GetParam()), scaled(2000));
   record_means(matched);
-  EXPECT_TRUE(nees_fits(matched)) << matched.nees / matched.runs << " and "
-                                  << matched.position_nees / matched.runs;
+  EXPECT_TRUE(nees_fits(matched)) << matched.nees / matched.runs << " and " << matched.position_nees / matched.runs;
   EXPECT_TRUE(nis_fits(matched)) << matched.nis / matched.plots;
 }
 

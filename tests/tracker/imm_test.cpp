@@ -91,11 +91,10 @@ struct ScalarKalmanFilter {
 TEST(Imm, SingleModeEqualsKalmanFilter) {
   RandomStream stream(1);
   const double q = 2.0;
-  DiscreteBank bank{{transition(ConstantVelocity{}, 1.0)},
-                    {white_noise(ConstantVelocity{}, q, 1.0)},
-                    Eigen::MatrixXd::Ones(1, 1)};
-  ImmEstimate estimate = make_estimate({{5e3, 50.0, -8e3, 70.0}, State(1e4, 1e2, 1e4, 1e2).asDiagonal()},
-                                       Eigen::VectorXd::Ones(1));
+  DiscreteBank bank{
+      {transition(ConstantVelocity{}, 1.0)}, {white_noise(ConstantVelocity{}, q, 1.0)}, Eigen::MatrixXd::Ones(1, 1)};
+  ImmEstimate estimate =
+      make_estimate({{5e3, 50.0, -8e3, 70.0}, State(1e4, 1e2, 1e4, 1e2).asDiagonal()}, Eigen::VectorXd::Ones(1));
   ScalarKalmanFilter axes[2] = {{5e3, 50.0, 1e4, 0.0, 1e2}, {-8e3, 70.0, 1e4, 0.0, 1e2}};
   ImmEstimate predicted;
   for (int k = 0; k < scaled(20000); ++k) {
@@ -142,8 +141,7 @@ TEST(Imm, IdenticalModesEqualOneFilter) {
     // Three weights of three equal terms each step; forgotten as in the single filter.
     for (const Gaussian& mode : triple.modes) {
       ASSERT_TRUE(near(mode.mean, expected.mean, 1e-12 * size));
-      ASSERT_TRUE(
-          near(mode.covariance, expected.covariance, 1e-12 * matrices::scale_of(expected.covariance)));
+      ASSERT_TRUE(near(mode.covariance, expected.covariance, 1e-12 * matrices::scale_of(expected.covariance)));
     }
   }
   // Likelihoods that are all the same say nothing: the probabilities are the chain's stationary ones.
@@ -209,10 +207,9 @@ std::vector<History> extend(const std::vector<History>& histories, const Discret
   for (const History& history : histories) {
     for (int j = 0; j < bank.size(); ++j) {
       const StateMatrix& f = bank.f[j];
-      longer.push_back(
-          {j,
-           history.probability * bank.transition(history.mode, j),
-           {f * history.belief.mean, f * history.belief.covariance * f.transpose() + bank.q[j]}});
+      longer.push_back({j,
+                        history.probability * bank.transition(history.mode, j),
+                        {f * history.belief.mean, f * history.belief.covariance * f.transpose() + bank.q[j]}});
     }
   }
   return longer;
@@ -358,15 +355,13 @@ TEST(Update, InnovationThatIsNotFiniteLeavesTheEstimateAlone) {
   RandomStream stream(10);
   const ImmEstimate before = random_estimate(stream, 3);
   const auto predicted = measure_position(before, 100.0 * Matrix2::Identity());
-  for (const double bad :
-       {kNan, std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()}) {
+  for (const double bad : {kNan, std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()}) {
     for (std::size_t where = 0; where < 3; ++where) {
       for (int component = 0; component < 2; ++component) {
         ImmEstimate estimate = before;
         std::vector<Vector2> innovations(3, Vector2(10.0, 10.0));
         innovations[where][component] = bad;
-        EXPECT_EQ(update(predicted, innovations, estimate), Numerics::kNotFinite)
-            << bad << " in mode " << where;
+        EXPECT_EQ(update(predicted, innovations, estimate), Numerics::kNotFinite) << bad << " in mode " << where;
         expect_same(estimate, before);
       }
     }

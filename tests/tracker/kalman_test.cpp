@@ -129,9 +129,8 @@ TEST(UpdatedCovariance, EqualsTheInformationForm) {
   for (int i = 0; i < kCases; ++i) {
     const auto [prior, predicted, nu] = random_case(stream);
     const LongMatrix<2, 4> h = predicted.h.cast<Long>();
-    const LongMatrix<4, 4> information =
-        inverse(LongMatrix<4, 4>(prior.covariance.cast<Long>())) +
-        h.transpose() * inverse(LongMatrix<2, 2>(predicted.r.cast<Long>())) * h;
+    const LongMatrix<4, 4> information = inverse(LongMatrix<4, 4>(prior.covariance.cast<Long>())) +
+                                         h.transpose() * inverse(LongMatrix<2, 2>(predicted.r.cast<Long>())) * h;
     const StateMatrix expected = inverse(information).cast<double>();
     const Gain k = kalman_gain(prior.covariance, predicted);
     const StateMatrix a = StateMatrix::Identity() + k.cwiseAbs() * predicted.h.cwiseAbs();
@@ -176,15 +175,13 @@ TEST(LogLikelihood, EqualsTheClosedForm) {
     const Long n0 = nu[0];
     const Long n1 = nu[1];
     const Long d2 = (s(1, 1) * n0 * n0 - 2.0L * s(0, 1) * n0 * n1 + s(0, 0) * n1 * n1) / determinant;
-    const auto expected = static_cast<double>(-0.5L * d2 - std::log(2.0L * std::numbers::pi_v<Long>) -
-                                              0.5L * std::log(determinant));
+    const auto expected =
+        static_cast<double>(-0.5L * d2 - std::log(2.0L * std::numbers::pi_v<Long>) - 0.5L * std::log(determinant));
     // The factor of S is good to an eps of S, its inverse to cond(S) eps, the determinant likewise.
     const double loss = 8.0 * kEpsilon * static_cast<double>(condition(predicted.s));
-    EXPECT_NEAR(predicted.log_likelihood(nu), expected,
-                loss * (1.0 + static_cast<double>(d2)) + 64.0 * kEpsilon);
+    EXPECT_NEAR(predicted.log_likelihood(nu), expected, loss * (1.0 + static_cast<double>(d2)) + 64.0 * kEpsilon);
     EXPECT_NEAR(predicted.squared_distance(nu), static_cast<double>(d2), loss * static_cast<double>(d2));
-    EXPECT_NEAR(predicted.log_determinant(), static_cast<double>(std::log(determinant)),
-                loss + 64.0 * kEpsilon);
+    EXPECT_NEAR(predicted.log_determinant(), static_cast<double>(std::log(determinant)), loss + 64.0 * kEpsilon);
   }
 }
 
@@ -199,8 +196,7 @@ TEST(LogLikelihood, StandardNormalByHand) {
 
 /// The update with an absolute measurement z = H x + v of the same H and R; `lost` grows by eps cond(S), what
 /// solving with the factor of S may lose.
-Gaussian update_with(const Gaussian& prior, const PredictedMeasurement& like, const Vector2& z,
-                     double& lost) {
+Gaussian update_with(const Gaussian& prior, const PredictedMeasurement& like, const Vector2& z, double& lost) {
   PredictedMeasurement measurement;
   measurement.h = like.h;
   measurement.r = like.r;

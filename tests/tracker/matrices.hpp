@@ -17,26 +17,25 @@ inline constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
 /// Every |actual(i, j) - expected(i, j)| <= tolerance(i, j). Says which element is not.
 template <class Actual, class Expected, class Tolerance>
-testing::AssertionResult near(const Eigen::MatrixBase<Actual>& actual,
-                              const Eigen::MatrixBase<Expected>& expected,
+testing::AssertionResult near(const Eigen::MatrixBase<Actual>& actual, const Eigen::MatrixBase<Expected>& expected,
                               const Eigen::MatrixBase<Tolerance>& tolerance) {
   for (Eigen::Index j = 0; j < expected.cols(); ++j) {
     for (Eigen::Index i = 0; i < expected.rows(); ++i) {
       if (std::abs(actual(i, j) - expected(i, j)) <= tolerance(i, j)) continue;
-      return testing::AssertionFailure()
-             << "element (" << i << ", " << j << "): " << actual(i, j) << " where " << expected(i, j)
-             << " is expected; difference " << actual(i, j) - expected(i, j) << ", tolerance "
-             << tolerance(i, j) << "\nactual\n"
-             << actual << "\nexpected\n"
-             << expected;
+      return testing::AssertionFailure() << "element (" << i << ", " << j << "): " << actual(i, j) << " where "
+                                         << expected(i, j) << " is expected; difference "
+                                         << actual(i, j) - expected(i, j) << ", tolerance " << tolerance(i, j)
+                                         << "\nactual\n"
+                                         << actual << "\nexpected\n"
+                                         << expected;
     }
   }
   return testing::AssertionSuccess();
 }
 
 template <class Actual, class Expected>
-testing::AssertionResult near(const Eigen::MatrixBase<Actual>& actual,
-                              const Eigen::MatrixBase<Expected>& expected, double tolerance) {
+testing::AssertionResult near(const Eigen::MatrixBase<Actual>& actual, const Eigen::MatrixBase<Expected>& expected,
+                              double tolerance) {
   return near(actual, expected, Expected::PlainObject::Constant(expected.rows(), expected.cols(), tolerance));
 }
 
@@ -79,8 +78,7 @@ inline StateMatrix random_covariance(RandomStream& stream, const State& sigma) {
 inline State typical_sigma() { return {300.0, 30.0, 300.0, 30.0}; }
 
 inline Gaussian random_gaussian(RandomStream& stream) {
-  return {(100.0 * typical_sigma()).cwiseProduct(normal_state(stream)),
-          random_covariance(stream, typical_sigma())};
+  return {(100.0 * typical_sigma()).cwiseProduct(normal_state(stream)), random_covariance(stream, typical_sigma())};
 }
 
 /// M probabilities that sum to one.

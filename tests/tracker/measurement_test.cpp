@@ -36,15 +36,14 @@ ImmEstimate estimate_round(const Vector2& place_m, RandomStream& stream) {
   ImmEstimate estimate;
   for (int j = 0; j < 3; ++j) {
     estimate.modes.push_back(matrices::random_gaussian(stream));
-    estimate.modes.back().mean = make_state(place_m, {200.0, -100.0}) +
-                                 State(80.0, 5.0, 80.0, 5.0).cwiseProduct(matrices::normal_state(stream));
+    estimate.modes.back().mean =
+        make_state(place_m, {200.0, -100.0}) + State(80.0, 5.0, 80.0, 5.0).cwiseProduct(matrices::normal_state(stream));
   }
   estimate.probability = matrices::random_probability(stream, 3);
   return estimate;
 }
 
-std::vector<PredictedMeasurement> predicted_by(const Sensor& sensor, UpdateForm form,
-                                               const ImmEstimate& estimate) {
+std::vector<PredictedMeasurement> predicted_by(const Sensor& sensor, UpdateForm form, const ImmEstimate& estimate) {
   std::vector<PredictedMeasurement> predicted;
   EXPECT_EQ(predict_measurements(sensor, form, estimate, predicted), Numerics::kOk);
   return predicted;
@@ -67,8 +66,7 @@ TEST(EkfForm, LinearisesEachModeAtItsMean) {
       for (int component = 0; component < kStateSize; ++component) {
         const State d = step * State::Unit(component);
         const Vector2 slope =
-            innovation(radar, UpdateForm::kEkf, radar.measure(mean + d), radar.measure(mean - d)) /
-            (2.0 * step);
+            innovation(radar, UpdateForm::kEkf, radar.measure(mean + d), radar.measure(mean - d)) / (2.0 * step);
         EXPECT_NEAR(predicted[j].h(0, component), slope[0], 1e-9) << degree;
         EXPECT_NEAR(predicted[j].h(1, component), slope[1], 1e-9 / range_m) << degree;
       }
@@ -82,8 +80,7 @@ TEST(EveryForm, TakesTheNoiseAtTheWeightedMeanForEveryMode) {
   ImmEstimate estimate = estimate_round({3e4, 4e4}, stream);
   estimate.modes[2].mean += make_state({2e3, 3e3}, {0.0, 0.0});
   const Matrix2 r = radar.noise(combined_mean(estimate));
-  for (const PredictedMeasurement& mode : predicted_by(radar, UpdateForm::kEkf, estimate))
-    EXPECT_EQ(mode.r, r);
+  for (const PredictedMeasurement& mode : predicted_by(radar, UpdateForm::kEkf, estimate)) EXPECT_EQ(mode.r, r);
   const auto converted = predicted_by(radar, UpdateForm::kConverted, estimate);
   for (const PredictedMeasurement& mode : converted) EXPECT_EQ(mode.r, converted[0].r);
 }
@@ -172,8 +169,7 @@ TEST(PredictMeasurements, ReportsAModeThatIsNotPositiveDefinite) {
   estimate.modes[1].covariance = -1e6 * StateMatrix::Identity();
   std::vector<PredictedMeasurement> predicted;
   for (const UpdateForm form : {UpdateForm::kEkf, UpdateForm::kConverted}) {
-    EXPECT_EQ(predict_measurements(radar_at({0.0, 0.0}), form, estimate, predicted),
-              Numerics::kNotPositiveDefinite);
+    EXPECT_EQ(predict_measurements(radar_at({0.0, 0.0}), form, estimate, predicted), Numerics::kNotPositiveDefinite);
   }
 }
 
@@ -255,8 +251,7 @@ std::vector<Gaussian> fly_past(const Flight& flight) {
     const Vector2 z = exact + root * Vector2(stream.normal(), stream.normal());
     const TimePoint time = kStreamStart + from_seconds(k);
     const Plot plot{time, RadarId{1}, {z[0], wrap_angle(z[1] + flight.rotation_rad)}, std::nullopt};
-    const LookOutcome outcome =
-        tracker.look(track, radar, {RadarId{1}, TrackId{1}, time, State::Zero()}, {&plot, 1});
+    const LookOutcome outcome = tracker.look(track, radar, {RadarId{1}, TrackId{1}, time, State::Zero()}, {&plot, 1});
     EXPECT_TRUE(outcome.used_plot) << "scan " << k << ", rotation " << flight.rotation_rad;
     estimates.push_back(track.combined);
   }
@@ -275,10 +270,8 @@ TEST(Tracking, IsInvariantUnderRotationAcrossTheCut) {
       ASSERT_EQ(turned.size(), north.size());
       for (std::size_t k = 0; k < north.size(); ++k) {
         const State back = rotate(turned[k].mean, -rotation);
-        EXPECT_TRUE(near(position(back), position(north[k].mean), 1e-9 * 30e3))
-            << k << ", rotation " << rotation;
-        EXPECT_TRUE(near(velocity(back), velocity(north[k].mean), 1e-9 * 250.0))
-            << k << ", rotation " << rotation;
+        EXPECT_TRUE(near(position(back), position(north[k].mean), 1e-9 * 30e3)) << k << ", rotation " << rotation;
+        EXPECT_TRUE(near(velocity(back), velocity(north[k].mean), 1e-9 * 250.0)) << k << ", rotation " << rotation;
         const double variance = north[k].covariance.trace();
         EXPECT_NEAR(turned[k].covariance.trace(), variance, 1e-9 * variance);
       }

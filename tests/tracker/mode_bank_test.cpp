@@ -21,8 +21,7 @@ constexpr double kMatrixFunction = 1e-13;
 Eigen::MatrixXd matrix(std::initializer_list<std::initializer_list<double>> rows) {
   Eigen::MatrixXd m(std::ssize(rows), std::ssize(*rows.begin()));
   Eigen::Index i = 0;
-  for (const auto& row : rows)
-    m.row(i++) = Eigen::Map<const Eigen::RowVectorXd>(row.begin(), std::ssize(row));
+  for (const auto& row : rows) m.row(i++) = Eigen::Map<const Eigen::RowVectorXd>(row.begin(), std::ssize(row));
   return m;
 }
 
@@ -209,8 +208,7 @@ TEST(NamedBank, CruiseAndTurn) {
   EXPECT_EQ(discrete.q[0](kVx, kVx), 0.1);
   EXPECT_EQ(discrete.q[1](kVx, kVx), 60.0);
   EXPECT_EQ(discrete.q[2](kVx, kVx), 2000.0);
-  EXPECT_EQ(discrete.transition,
-            matrix({{.9955, .0040, .0005}, {.0200, .9750, .0050}, {.0100, .1900, .8000}}));
+  EXPECT_EQ(discrete.transition, matrix({{.9955, .0040, .0005}, {.0200, .9750, .0050}, {.0100, .1900, .8000}}));
   EXPECT_EQ(bank.initial_probability, Eigen::Vector3d(.9, .05, .05));
 }
 

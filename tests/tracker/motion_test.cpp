@@ -89,8 +89,7 @@ TEST(CoordinatedTurn, EveryElementIsExactForTinyTurns) {
       const long double u = static_cast<long double>(rate) * static_cast<long double>(dt_s);
       const auto w = static_cast<long double>(rate);
       const auto expect_equal = [&](double actual, long double expected) {
-        EXPECT_NEAR(actual, static_cast<double>(expected),
-                    4.0 * kEpsilon * std::abs(static_cast<double>(expected)))
+        EXPECT_NEAR(actual, static_cast<double>(expected), 4.0 * kEpsilon * std::abs(static_cast<double>(expected)))
             << "turn " << turn << " over " << dt_s << " s";
       };
       expect_equal(f(kX, kVx), alternating_series(u, 1) / w);

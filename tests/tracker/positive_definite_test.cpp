@@ -25,8 +25,7 @@ namespace dwell {
 namespace {
 
 constexpr double kLargestAspect = 1e8;
-constexpr int kCyclesPerTrack =
-    1000;  // positions wander off with their own noise: start again before they matter
+constexpr int kCyclesPerTrack = 1000;  // positions wander off with their own noise: start again before they matter
 
 double log_uniform(RandomStream& stream, double low, double high) {
   return std::exp(stream.uniform(std::log(low), std::log(high)));
@@ -77,10 +76,8 @@ Gaussian new_belief(RandomStream& stream) {
 
 /// Innovations of one plot in every mode: drawn from the first mode's prediction.
 std::vector<Vector2> draw_innovations(const Sensor& sensor, UpdateForm form,
-                                      const std::vector<PredictedMeasurement>& predicted,
-                                      RandomStream& stream) {
-  const Vector2 z =
-      predicted[0].z + predicted[0].s_root.matrixL() * Vector2(stream.normal(), stream.normal());
+                                      const std::vector<PredictedMeasurement>& predicted, RandomStream& stream) {
+  const Vector2 z = predicted[0].z + predicted[0].s_root.matrixL() * Vector2(stream.normal(), stream.normal());
   std::vector<Vector2> innovations;
   for (const PredictedMeasurement& mode : predicted) {
     innovations.push_back(innovation(sensor, form, z, mode.z));

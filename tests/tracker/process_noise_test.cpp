@@ -124,8 +124,7 @@ TEST(WhiteNoise, CrossCovarianceOfTinyTurnsDoesNotCancel) {
       EXPECT_NEAR(q(kX, kVy), across, loss * across) << turn;
       EXPECT_NEAR(q(kY, kVx), -across, loss * across) << turn;
       EXPECT_NEAR(q(kX, kVx), along, 8.0 * kEpsilon * along) << turn;
-      EXPECT_NEAR(q(kX, kX), 2.0 * across / static_cast<double>(w),
-                  2.0 * loss * across / static_cast<double>(w));
+      EXPECT_NEAR(q(kX, kX), 2.0 * across / static_cast<double>(w), 2.0 * loss * across / static_cast<double>(w));
     }
   }
 }

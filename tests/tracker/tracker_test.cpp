@@ -115,8 +115,7 @@ TEST(BeliefFrom, CovarianceIsThatOfThePlots) {
     Matrix2 turned_moments = Matrix2::Zero();  // the twin: as if x and y had changed places
     for (int i = 0; i < count; ++i) {
       const Vector2 z(1e5 + 7.5 * stream.normal(), wrap_angle(azimuth + 1e-3 * stream.normal()));
-      const Gaussian belief =
-          Tracker::belief_from({kDwell.time, kDwell.radar, z, std::nullopt}, radar, 1.0).value();
+      const Gaussian belief = Tracker::belief_from({kDwell.time, kDwell.radar, z, std::nullopt}, radar, 1.0).value();
       const Matrix2 p = position_block(belief.covariance);
       const Vector2 error = position(belief.mean) - truth;
       const Vector2 white = p.llt().matrixL().solve(error);
@@ -170,8 +169,7 @@ TEST(Look, GateIsSixteen) {
   Tracker tracker = one_mode_tracker();
   for (const auto& [squared, inside] : {std::pair(15.9, true), std::pair(16.1, false)}) {
     Track track = tracker.start(TrackId{1}, "one", belief_at_origin());
-    EXPECT_EQ(look(tracker, track, {plot_at_sigmas(std::sqrt(squared))}).used_plot.has_value(), inside)
-        << squared;
+    EXPECT_EQ(look(tracker, track, {plot_at_sigmas(std::sqrt(squared))}).used_plot.has_value(), inside) << squared;
   }
 }
 
@@ -201,11 +199,11 @@ TEST(Look, InfiniteGateTakesEveryPlot) {
 /// Modes that stand still, with these weights.
 Tracker standing_tracker(const Eigen::VectorXd& probability, const TrackerSettings& settings = {}) {
   const auto modes = static_cast<std::size_t>(probability.size());
-  return {{std::vector<StateMatrix>(modes, StateMatrix::Identity()),
-           std::vector<StateMatrix>(modes, StateMatrix::Zero()),
-           Eigen::MatrixXd::Identity(probability.size(), probability.size())},
-          probability,
-          settings};
+  return {
+      {std::vector<StateMatrix>(modes, StateMatrix::Identity()), std::vector<StateMatrix>(modes, StateMatrix::Zero()),
+       Eigen::MatrixXd::Identity(probability.size(), probability.size())},
+      probability,
+      settings};
 }
 
 // The narrow mode rejects what the wide one expects, whichever comes first.
@@ -235,8 +233,7 @@ TEST(Look, PlotBeyondAllNumbersLosesTheTrack) {
 
 TEST(Look, ChoosesThePlotOfTheGreatestDensity) {
   Tracker tracker = one_mode_tracker();
-  const std::vector<Plot> plots{plot_at(8.0, 0.0), plot_at(0.0, -3.0), plot_at(100.0, 0.0),
-                                plot_at(3.1, 0.0)};
+  const std::vector<Plot> plots{plot_at(8.0, 0.0), plot_at(0.0, -3.0), plot_at(100.0, 0.0), plot_at(3.1, 0.0)};
   Track track = tracker.start(TrackId{1}, "one", belief_at_origin());
   EXPECT_EQ(look(tracker, track, plots).used_plot, 1u);
 }
@@ -283,8 +280,7 @@ TEST(Look, PlotsThatAreNotFiniteArePassedOver) {
   Tracker tracker = named_tracker("cruise_and_turn");
   Track track = tracker.start(TrackId{1}, "one", belief_at_origin());
   Track alone = track;
-  const std::vector<Plot> plots{plot_at(kNan, 0.0), plot_at(0.0, kNan), plot_at(kInfinity, 0.0),
-                                plot_at(4.0, 1.0)};
+  const std::vector<Plot> plots{plot_at(kNan, 0.0), plot_at(0.0, kNan), plot_at(kInfinity, 0.0), plot_at(4.0, 1.0)};
   EXPECT_EQ(look(tracker, track, plots).used_plot, 3u);
   look(tracker, alone, {plots[3]});
   expect_same_belief(track, alone);
@@ -396,8 +392,7 @@ TEST(Tracker, TargetOverTheRadarGivesNoNan) {
         truth = transition(ConstantVelocity{}, 1.0) * truth;
         tracker.predict(track);
         std::vector<Plot> plots;
-        if (radar.covers(truth))
-          plots.push_back({kDwell.time, kDwell.radar, radar.measure(truth), std::nullopt});
+        if (radar.covers(truth)) plots.push_back({kDwell.time, kDwell.radar, radar.measure(truth), std::nullopt});
         look(tracker, track, plots, radar);
         ASSERT_NE(track.loss, LossCause::kNumerics) << "scan " << k << ", passing " << miss_m << " m off";
         ASSERT_TRUE(track.combined.mean.allFinite() && track.combined.covariance.allFinite());
