@@ -127,6 +127,10 @@ std::vector<PolicyDescription> describe_policies(int sensors) {
     FieldReader in = FieldReader(policy, nullptr, none).child(row.field);
     in.describe_into(&description.parameters);
     row.read(in, sensors);
+    for (FieldDescription& parameter : description.parameters) {
+      parameter.rule = lower(parameter.rule);  // as parse_policy_text takes the names of enums
+      parameter.default_value = lower(parameter.default_value);
+    }
     all.push_back(std::move(description));
   }
   return all;
