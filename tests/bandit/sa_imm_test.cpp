@@ -54,7 +54,7 @@ TEST(SaImm, ChoosesWhatEnumerationOfTheTotalCostSays) {
       for (const Pair& pair : situation.feasible) {
         if (total_after(kind, scene, pair) < total_after(kind, scene, best)) best = pair;
       }
-      const auto error = [&](const Pair& pair) {
+      const auto error = [&, &kind = kind](const Pair& pair) {
         const Track& track = scene.tracks[pair.track];
         return 0.005 * track.weight * kind.of(cost_parts(track.estimate));
       };
