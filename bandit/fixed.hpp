@@ -1,6 +1,7 @@
 #pragma once
 
 #include "bandit/policy.hpp"
+#include "bandit/track_turns.hpp"
 
 namespace dwell {
 
@@ -18,9 +19,10 @@ class Fixed final : public Policy {
 
  private:
   void score(const Situation& situation, std::span<Candidate> candidates) override;
-  void chose(const Situation& situation, const Pair& pair) override;
+  void chose(const Situation& situation, const Decision& decision) override;
 
   FixedSettings settings_;
+  TrackTurns turns_;
   TrackId last_track_;
 };
 

@@ -27,12 +27,12 @@ std::optional<std::size_t> best_free(const Decision& decision) {
 }
 
 std::optional<double> margin(const Decision& decision) {
-  if (decision.candidates.size() < 2) return std::nullopt;
   std::optional<double> runner_up;
   for (std::size_t i = 0; i < decision.candidates.size(); ++i) {
-    if (i == decision.chosen.front()) continue;
+    if (std::find(decision.chosen.begin(), decision.chosen.end(), i) != decision.chosen.end()) continue;
     runner_up = std::max(runner_up.value_or(decision.candidates[i].score), decision.candidates[i].score);
   }
+  if (!runner_up) return std::nullopt;
   return decision.candidates[decision.chosen.front()].score - *runner_up;
 }
 
@@ -51,8 +51,8 @@ void Policy::decide(const Situation& situation, Decision& decision) {
     const auto best = best_free(decision);
     if (!best) break;
     decision.chosen.push_back(*best);
-    chose(situation, decision.candidates[*best].pair);
   }
+  chose(situation, decision);
   decision.margin = margin(decision);
 }
 

@@ -41,7 +41,7 @@ struct Candidate {
 struct Decision {
   std::vector<Candidate> candidates;  ///< all feasible pairs, in the situation's order
   std::vector<std::size_t> chosen;    ///< places in `candidates`, best first
-  std::optional<double> margin;       ///< score of the first choice minus that of the runner-up
+  std::optional<double> margin;       ///< score of the first choice minus the best of those not chosen
   bool fell_back = false;             ///< the policy could not answer and a cheaper one did
 
   const Pair& pair(std::size_t choice) const { return candidates[chosen[choice]].pair; }
@@ -63,8 +63,9 @@ class Policy {
  private:
   /// Writes the score (and costs) of every candidate; the pairs are there already.
   virtual void score(const Situation& situation, std::span<Candidate> candidates) = 0;
-  /// Called for each pair that was chosen.
-  virtual void chose(const Situation& /*situation*/, const Pair& /*pair*/) {}
+  /// Called when the choice is made. What takes turns goes on from the first look alone: turns that the other looks
+  /// of a scan take before their time are not skipped.
+  virtual void chose(const Situation& /*situation*/, const Decision& /*decision*/) {}
 };
 
 }  // namespace dwell

@@ -57,13 +57,20 @@ std::string gain_text(const v1::Candidate& winner, const Names& names) {
   return text;
 }
 
-/// The sentence: how the winner stands among the candidates that were not chosen.
-std::string reason_text(const v1::Candidate& winner, const v1::ScanReport& report, const Names& names) {
+/// Whether a look before this one took the candidate's radar or track.
+bool was_taken(const v1::Candidate& candidate, const v1::ScanReport& report, int look) {
+  return std::any_of(report.look().begin(), report.look().begin() + look, [&](const v1::Look& earlier) {
+    return earlier.radar() == candidate.radar() || earlier.track() == candidate.track();
+  });
+}
+
+/// The sentence: how the winner of a look stands among the candidates that were left to choose from.
+std::string reason_text(const v1::Candidate& winner, const v1::ScanReport& report, int look, const Names& names) {
   int left = 0;
   int better = 0;
   int equal = 0;
   for (const v1::Candidate& candidate : report.candidate()) {
-    if (is_chosen(candidate, report)) continue;
+    if (is_chosen(candidate, report) || was_taken(candidate, report, look)) continue;
     ++left;
     if (candidate.score() > winner.score()) ++better;
     if (candidate.score() == winner.score()) ++equal;
@@ -100,13 +107,14 @@ Lines head(const v1::ScanReport& report, const std::vector<const v1::Candidate*>
     lines.push_back({"note    the policy could not answer; a cheaper one decided", Mark::kWarning});
   }
   if (report.look().empty()) lines.push_back({"chosen  nothing: no pair was feasible"});
-  for (const v1::Look& look : report.look()) {
+  for (int place = 0; place < report.look_size(); ++place) {
+    const v1::Look& look = report.look(place);
     lines.push_back({"chosen  " + pair_text(look.radar(), look.track(), names) + ": " + outcome_text(look)});
     const auto winner = std::find_if(sorted.begin(), sorted.end(), [&](const auto* c) {
       return c->radar() == look.radar() && c->track() == look.track();
     });
     if (winner == sorted.end()) continue;
-    for (Line& line : wrap("why     " + reason_text(**winner, report, names), columns, kIndent)) {
+    for (Line& line : wrap("why     " + reason_text(**winner, report, place, names), columns, kIndent)) {
       lines.push_back(std::move(line));
     }
   }

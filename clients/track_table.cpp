@@ -122,13 +122,13 @@ void TrackTable::add(const v1::Track& track, const Names& names, std::int64_t ti
 }
 
 std::string track_line_header() {
-  return fmt::format("# {:>10} {:>5} {:<12} {:<9} {:>10} {:>10} {:>8} {:>3} {:>9} {:<10} {:>7} {}", "time_s", "id",
+  return fmt::format("# {:>10} {:>5} {:<24} {:<9} {:>10} {:>10} {:>8} {:>3} {:>9} {:<10} {:>7} {}", "time_s", "id",
                      "name", "status", "east_km", "north_km", "speed_ms", "hdg", "sigma_m", "radar", "age_s", "modes");
 }
 
 std::string track_line(const v1::Track& track, const Names& names, std::int64_t time_ns) {
   const TrackFigures f = figures(track, time_ns);
-  return fmt::format("{:>12.3f} {:>5} {:<12} {:<9} {:>10} {:>10} {:>8} {:>3} {:>9} {:<10} {:>7} {}",
+  return fmt::format("{:>12.3f} {:>5} {:<24} {:<9} {:>10} {:>10} {:>8} {:>3} {:>9} {:<10} {:>7} {}",
                      static_cast<double>(time_ns) / 1e9, track.id(), field(track.name()), status_word(track.status()),
                      cell(f.east_km, 3), cell(f.north_km, 3), cell(f.speed_mps, 1), heading_cell(f.heading_deg),
                      cell(f.sigma_m, 1), field(radar_cell(track, names)), cell(f.age_of_look_s, 3), mode_text(track));

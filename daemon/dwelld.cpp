@@ -17,6 +17,7 @@
 
 #include "daemon/config/config_reader.hpp"
 #include "daemon/exit_code.hpp"
+#include "daemon/flags.hpp"
 #include "daemon/service.hpp"
 #include "daemon/summary.hpp"
 
@@ -37,11 +38,11 @@ struct Flags {
 void add_options(CLI::App& app, Flags& flags) {
   auto* config = app.add_option("--config", flags.config, "scenario in protobuf text format");
   auto* fast = app.add_flag("--fast", flags.fast, "as fast as possible instead of one scan per scan period");
-  app.add_option("--scans", flags.scans, "end after so many scans")->check(CLI::PositiveNumber);
-  auto* seed = app.add_option("--seed", flags.seed, "instead of the config's")->check(CLI::NonNegativeNumber);
+  app.add_option("--scans", flags.scans, "end after so many scans")->check(whole_number(1));
+  auto* seed = app.add_option("--seed", flags.seed, "instead of the config's")->check(whole_number(0));
   app.add_option("--wait-subscribers", flags.wait_subscribers,
                  "hold the first scan until so many subscriptions are there")
-      ->check(CLI::NonNegativeNumber);
+      ->check(whole_number(0, 1'000'000));
   auto* check = app.add_flag("--check-config", flags.check_config, "print the effective config and end");
   auto* record = app.add_option("--record", flags.record, "write a journal of the run to a new file");
   auto* replay = app.add_option("--replay", flags.replay, "repeat the run of a journal, as fast as possible");
@@ -124,6 +125,10 @@ std::uint64_t new_epoch() {
           .count());
 }
 
+void print(const std::string& text) {
+  if (!(std::cout << text << std::flush)) throw std::runtime_error("cannot write to standard output");
+}
+
 void serve(const Flags& flags, const Plan& plan, int signals) {
   zmq::context_t context;
   Publisher publisher(context, plan.config.stream_bind, plan.config.stream_high_water_mark);
@@ -136,7 +141,7 @@ void serve(const Flags& flags, const Plan& plan, int signals) {
   Summary summary;
   service.loop([&](const Engine& engine) { summary.add(engine); });
   release_signals();
-  std::cout << summary.text(run.engine()) << std::flush;
+  print(summary.text(run.engine()));
 }
 
 int run(const Flags& flags, int signals) {
@@ -144,7 +149,7 @@ int run(const Flags& flags, int signals) {
   if (flags.check_config) {
     std::string text;
     google::protobuf::TextFormat::PrintToString(plan.config.effective, &text);
-    std::cout << text;
+    print(text);
     return kDone;
   }
   serve(flags, plan, signals);

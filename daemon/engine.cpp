@@ -41,6 +41,7 @@ struct Engine::Target {
   std::unique_ptr<Trajectory> trajectory;
   std::optional<State> state;  // where it is now
   bool tracked = false;        // has had its track in this life
+  RandomStream start_stream;   // of how its track begins
 
   /// Names of its random streams and of its track: the config's, with the life from the second on.
   std::string name() const { return life == 1 ? config->name : config->name + "#" + std::to_string(life); }
@@ -72,8 +73,8 @@ Engine::Engine(const EngineConfig& config)
   counts_.looks.resize(sensors_.size());
   counts_.detections.resize(sensors_.size());
   for (const TargetConfig& target : config_.targets) {
-    targets_.push_back({&target, TargetId{++last_target_number_}, 1, target.start, nullptr, {}});
-    targets_.back().trajectory = make_trajectory(target, target.start, config_.scan_period, root_, target.name);
+    targets_.push_back({&target, TargetId{++last_target_number_}, 0, {}, nullptr, {}, false, root_});
+    begin_life(targets_.back(), target.start);
   }
   advance_truth();
   start_tracks();
@@ -128,11 +129,17 @@ void Engine::advance_truth() {
 void Engine::restart(Target& target) {
   const auto* recorded = std::get_if<RecordedMotion>(&target.config->motion);
   if (recorded == nullptr || !recorded->repeat) return;
-  ++target.life;
   target.id = TargetId{++last_target_number_};
-  target.start = report_.time;
+  begin_life(target, report_.time);
+}
+
+void Engine::begin_life(Target& target, TimePoint start) {
+  ++target.life;
+  target.start = start;
   target.tracked = false;
-  target.trajectory = make_trajectory(*target.config, target.start, config_.scan_period, root_, target.name());
+  const std::string name = target.name();
+  target.trajectory = make_trajectory(*target.config, start, config_.scan_period, root_, name);
+  target.start_stream = root_.fork("track/" + name + "/start");
 }
 
 void Engine::predict_tracks() {
@@ -149,7 +156,7 @@ void Engine::start_tracks() {
 /// What the track of a target begins with; empty where no plot has come yet.
 std::optional<Gaussian> Engine::first_belief(std::size_t target) {
   const Target& truth = targets_[target];
-  RandomStream stream = root_.fork("track/" + truth.name() + "/start");
+  RandomStream stream = truth.start_stream;
   if (const auto* cued = std::get_if<CuedStart>(&truth.config->track_start)) {
     State draw;
     for (double& value : draw) value = stream.normal();
@@ -163,7 +170,8 @@ std::optional<Gaussian> Engine::first_belief(std::size_t target) {
     const TargetTruth alone{truth.id, *truth.state};
     simulate_look(*sensors_[i], dwell, std::span(&alone, 1), stream.fork(i), look_plots_);
     for (const Plot& plot : look_plots_) {
-      if (plot.source) return Tracker::belief_from(plot, *sensors_[i], first_plot.speed_sigma_mps);
+      if (!plot.source) continue;
+      if (auto belief = Tracker::belief_from(plot, *sensors_[i], first_plot.speed_sigma_mps)) return belief;
     }
   }
   return std::nullopt;
@@ -181,11 +189,13 @@ void Engine::list_feasible_pairs() {
   feasible_.clear();
   for (std::size_t track = 0; track < tracks_.size(); ++track) {
     if (!tracks_[track].alive()) continue;
+    const std::size_t before = feasible_.size();
     for (std::size_t sensor = 0; sensor < sensors_.size(); ++sensor) {
       if (sensor_up_[sensor] && sensors_[sensor]->covers(tracks_[track].combined.mean)) {
         feasible_.push_back({sensor, track});
       }
     }
+    if (feasible_.size() == before) tracks_[track].status = TrackStatus::kCoasting;
   }
 }
 

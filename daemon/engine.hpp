@@ -90,6 +90,7 @@ class Engine {
   void count_losses();
   void report_truth();
   void restart(Target& target);
+  void begin_life(Target& target, TimePoint start);
   void start_track(std::size_t target, const Gaussian& belief);
   std::optional<Gaussian> first_belief(std::size_t target);
 

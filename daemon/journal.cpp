@@ -85,8 +85,9 @@ bool JournalWriter::append(const v1::JournalRecord& record, std::string& problem
   const std::string bytes = framed(record);
   const off_t before = ::lseek(file_, 0, SEEK_END);
   const ssize_t written = ::write(file_, bytes.data(), bytes.size());
-  if (written == static_cast<ssize_t>(bytes.size()) && ::fdatasync(file_) == 0) return true;
-  problem = written < 0 ? std::strerror(errno) : "disk full";
+  const bool whole = written == static_cast<ssize_t>(bytes.size());
+  if (whole && ::fdatasync(file_) == 0) return true;
+  problem = written < 0 || whole ? std::strerror(errno) : "disk full";
   // A torn record must not stand before the next one.
   if (before >= 0 && ::ftruncate(file_, before) != 0) problem += " (and the journal's end is torn)";
   return false;

@@ -9,8 +9,10 @@
 namespace dwell {
 namespace {
 
-constexpr std::size_t kRememberedAnswers = 4096;  // a client retries within seconds; 1000 commands/s for 4 s
+constexpr std::size_t kRememberedAnswers = 4096;    // a client retries within seconds; 1000 commands/s for 4 s
+constexpr std::size_t kRememberedBytes = 16 << 20;  // of requests and answers in all
 constexpr std::size_t kLongestName = 64;
+constexpr std::size_t kLongestPolicyText = 200;
 constexpr std::uint64_t kMostSteps = 1'000'000;
 
 void refuse(v1::Reply& reply, v1::Refused::Reason reason, const std::vector<Violation>& violations) {
@@ -134,9 +136,13 @@ v1::Reply Run::command(const v1::Request& request) {
 }
 
 void Run::set_policy(const v1::Request& request, v1::Reply& reply) {
+  const std::string& text = request.set_policy().text();
+  if (text.size() > kLongestPolicyText) {
+    return refuse(reply, v1::Refused::INVALID, {{"set_policy.text", shortened(text, 80), "must be at most 200 bytes"}});
+  }
   std::vector<Violation> violations;
   std::optional<v1::Policy> wanted = request.set_policy().policy();
-  if (request.set_policy().has_text()) wanted = parse_policy_text(request.set_policy().text(), violations);
+  if (request.set_policy().has_text()) wanted = parse_policy_text(text, violations);
   std::optional<PolicySettings> settings;
   if (wanted) settings = read_policy(*wanted, static_cast<int>(engine_.sensors().size()), violations);
   if (!settings || !violations.empty()) return refuse(reply, v1::Refused::INVALID, violations);
@@ -215,12 +221,17 @@ bool Run::record(const v1::Request& request, v1::Reply& reply) {
 }
 
 void Run::remember(const v1::Request& request, const v1::Reply& reply) {
-  if (answered_ids_.size() >= kRememberedAnswers) {
-    answers_.erase(answered_ids_.front());
+  const auto bytes = [](const Answer& answer) { return answer.request.size() + answer.reply.ByteSizeLong(); };
+  Answer answer{request.SerializeAsString(), reply};
+  remembered_bytes_ += bytes(answer);
+  answers_.emplace(request.id(), std::move(answer));
+  answered_ids_.push_back(request.id());
+  while (answered_ids_.size() > kRememberedAnswers || remembered_bytes_ > kRememberedBytes) {
+    const auto oldest = answers_.find(answered_ids_.front());
+    remembered_bytes_ -= bytes(oldest->second);
+    answers_.erase(oldest);
     answered_ids_.pop_front();
   }
-  answers_.emplace(request.id(), Answer{request.SerializeAsString(), reply});
-  answered_ids_.push_back(request.id());
 }
 
 void Run::query(const v1::Request& request, v1::Accepted& accepted) const {

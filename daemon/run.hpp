@@ -78,6 +78,7 @@ class Run {
   std::function<v1::WallClock()> wall_clock_;
   std::unordered_map<std::string, Answer> answers_;  // by request id
   std::deque<std::string> answered_ids_;             // oldest first
+  std::size_t remembered_bytes_ = 0;
 };
 
 }  // namespace dwell

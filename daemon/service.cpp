@@ -121,7 +121,8 @@ void Service::wait() {
   if (options_.fast && scanning) return;
   Clock::time_point until = options_.fast ? Clock::now() + kStatusPeriod : next_status_;
   if (scanning) until = std::min(until, next_scan_);
-  const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now());
+  // Rounded down, so that a scan is never late: the last fraction of a millisecond is spent asking again.
+  const auto left = std::chrono::floor<std::chrono::milliseconds>(until - Clock::now());
   std::array<zmq::pollitem_t, 3> items{{{publisher_.socket().handle(), 0, ZMQ_POLLIN, 0},
                                         {control_.socket().handle(), 0, ZMQ_POLLIN, 0},
                                         {nullptr, signals_, ZMQ_POLLIN, 0}}};

@@ -3,6 +3,10 @@
 #include <stdexcept>
 #include <vector>
 
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
 #include <zmq_addon.hpp>
 
 namespace dwell {
@@ -25,8 +29,26 @@ void prepare(zmq::socket_t& socket, std::int64_t largest_message) {
   socket.set(zmq::sockopt::maxmsgsize, largest_message);
 }
 
+struct InUse : zmq::error_t {
+  InUse() : zmq::error_t(EADDRINUSE) {}
+};
+
+/// Whether somebody listens on a path. libzmq would unlink the socket file of a living process and bind its own.
+bool somebody_listens(const std::string& path) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  if (path.size() >= sizeof address.sun_path) return false;  // bind says what is wrong
+  path.copy(address.sun_path, path.size());
+  const int probe = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  const bool connected = ::connect(probe, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+  ::close(probe);
+  return connected;
+}
+
 void bind(zmq::socket_t& socket, const char* what, const std::string& endpoint) {
+  constexpr std::string_view kIpc = "ipc://";
   try {
+    if (endpoint.starts_with(kIpc) && somebody_listens(endpoint.substr(kIpc.size()))) throw InUse();
     socket.bind(endpoint);
   } catch (const zmq::error_t& error) {
     throw std::runtime_error(std::string("cannot bind ") + what + " to " + endpoint + ": " + error.what() +

@@ -11,13 +11,14 @@ namespace dwell {
 
 enum class TrackStatus {
   kConfirmed,
-  kCoasting,  ///< the last look gave no plot in the gate
+  kCoasting,  ///< the last look gave no plot in the gate, or no sensor that is up reaches it
   kLost,      ///< given up; never updated again
 };
 
 enum class LossCause {
   kNoPlots,    ///< so many looks without a plot in the gate are not to be believed of a live target
   kFromTruth,  ///< simulation only: the truth stayed far from the prediction
+  kUncertain,  ///< nobody has looked for so long that the position is unknown
   kNumerics,   ///< the filter's numbers failed
 };
 

@@ -54,6 +54,8 @@ void Tracker::predict(Track& track) {
   if (dwell::predict(bank_, track.estimate, scratch_) != Numerics::kOk) return track.lose(LossCause::kNumerics);
   std::swap(track.estimate, scratch_);
   track.combined = combine(track.estimate);
+  const double variance = position_block(track.combined.covariance).trace();
+  if (variance > settings_.lost_sigma_m * settings_.lost_sigma_m) track.lose(LossCause::kUncertain);
 }
 
 LookOutcome Tracker::look(Track& track, const Sensor& sensor, const Dwell& dwell, std::span<const Plot> plots) {

@@ -19,6 +19,9 @@ struct TrackerSettings {
   /// A track is lost when its run of looks without a plot in the gate has this probability or less, prod (1 - P_d).
   /// 1e-8: 8 looks at P_d = .9, one false loss in 1e8 / (looks per second) seconds of a healthy track.
   double lost_probability = 1e-8;
+  /// A track is lost when the root of its position variance, x and y, is above this: it says nothing any more, and a
+  /// look would not find the target. 20 km: twice the half depth of a footprint. Infinite: never.
+  double lost_sigma_m = 20e3;
 };
 
 /// What a look came to for its track.

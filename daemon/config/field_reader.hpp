@@ -19,7 +19,7 @@ struct Range {
   bool high_included = true;
 
   bool contains(double value) const;
-  /// "must be > 0", "must be from 0 to 90", ...
+  /// "must be > 0", "must be in [0, 90]", ...
   std::string rule() const;
 };
 

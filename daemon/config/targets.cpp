@@ -169,10 +169,14 @@ RecordedMotion read_recorded(FieldReader in, const EngineConfig& config, Recordi
   return motion;
 }
 
-std::variant<CuedStart, FirstPlotStart> read_track_start(FieldReader in) {
+std::variant<CuedStart, FirstPlotStart> read_track_start(FieldReader in, const EngineConfig& config) {
   if (in.has("first_plot")) {
     FirstPlotStart start;
     if (in.count("covariance") > 0) in.refuse("covariance", "", "must not stand with first_plot");
+    const bool placeable = std::any_of(config.sensors.begin(), config.sensors.end(), [](const SensorConfig& sensor) {
+      return std::holds_alternative<RadarFigures>(sensor.figures);
+    });
+    if (!placeable) in.refuse("first_plot", "", "needs a radar: plots of linear sensors are no positions");
     in.child("first_plot").number("speed_sigma_mps", above(0.0, 1e6), 1.0, start.speed_sigma_mps);
     return start;
   }
@@ -250,7 +254,7 @@ TargetConfig read_target(FieldReader in, const EngineConfig& config, RecordingSh
     }
   }
   in.number("weight", above(0.0, 1e9), 1.0, target.weight);
-  target.track_start = read_track_start(in.child("start"));
+  target.track_start = read_track_start(in.child("start"), config);
   return target;
 }
 

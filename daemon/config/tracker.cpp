@@ -143,6 +143,7 @@ void read_tracker(FieldReader in, EngineConfig& config) {
   in.choice("update", config.tracker.update);
   in.number("gate", positive_or_infinite(), 1.0, config.tracker.gate);
   in.number("lost_probability", between(0.0, 1.0), 1.0, config.tracker.lost_probability);
+  in.number("lost_sigma_m", positive_or_infinite(), 1.0, config.tracker.lost_sigma_m);
   in.number("lost_squared_distance", positive_or_infinite(), 1.0, config.lost_squared_distance);
 }
 

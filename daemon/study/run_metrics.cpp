@@ -38,48 +38,47 @@ struct TargetSums {
   double looks = 0.0;
   int starving = 0;    // scans since the last look
   int starvation = 0;  // the longest of them
+  TrackId track;       // of the target's present life
   std::optional<CramerRaoBound> cramer_rao;
 };
 
-/// The motion that the bound takes the truth of a target to have: of its true mode, of its script's process noise,
-/// or of the bank's first mode where the truth is recorded.
-struct BoundModel {
-  std::vector<StateMatrix> f;
-  std::vector<StateMatrix> q;
-};
-
-struct MakeBoundModel {
+/// The motion over the scan period that ends at `time`, as the bound takes the truth to move: as its script says,
+/// whose legs are known; by its true mode; by the bank's first mode where the truth is recorded.
+struct BoundMotion {
   const DiscreteBank& bank;
   double dt_s;
+  TimePoint time;
+  std::optional<int> mode;
 
-  BoundModel operator()(const ScriptedMotion& motion) const {
-    const StateMatrix& root = motion.process_noise_root;
-    return {{transition(ConstantVelocity{}, dt_s)}, {root * root.transpose()}};
+  void operator()(const ScriptedMotion& motion, StateMatrix& f, StateMatrix& q) const {
+    f = transition(ConstantVelocity{}, dt_s);
+    q = motion.process_noise_root * motion.process_noise_root.transpose();
+    for (const Leg& leg : motion.legs) {
+      if (time <= leg.start || time > leg.end) continue;
+      if (leg.turn_rate_radps != 0.0) f = transition(CoordinatedTurn{leg.turn_rate_radps}, dt_s);
+      q *= leg.process_noise_scale;
+    }
   }
-  BoundModel operator()(const JumpMarkovMotion& motion) const {
-    BoundModel model{motion.system.transition_matrix, {}};
-    for (const StateMatrix& root : motion.system.process_noise_root) model.q.push_back(root * root.transpose());
-    return model;
+  void operator()(const JumpMarkovMotion& motion, StateMatrix& f, StateMatrix& q) const {
+    const auto index = static_cast<std::size_t>(mode.value_or(0));
+    const StateMatrix& root = motion.system.process_noise_root[index];
+    f = motion.system.transition_matrix[index];
+    q = root * root.transpose();
   }
-  BoundModel operator()(const RecordedMotion& /*motion*/) const { return {{bank.f.front()}, {bank.q.front()}}; }
+  void operator()(const RecordedMotion& /*motion*/, StateMatrix& f, StateMatrix& q) const {
+    f = bank.f.front();
+    q = bank.q.front();
+  }
 };
-
-StateMatrix start_covariance(const TargetConfig& target) {
-  if (const auto* cued = std::get_if<CuedStart>(&target.track_start)) return cued->covariance;
-  const double speed = std::get<FirstPlotStart>(target.track_start).speed_sigma_mps;
-  return State(1e6, speed * speed, 1e6, speed * speed).asDiagonal();
-}
 
 class Measurer {
  public:
   Measurer(const EngineConfig& config, const TimeWindow& window)
-      : config_(config), window_(window), targets_(config.targets.size()) {
-    const double dt_s = to_seconds(config.scan_period);
-    const DiscreteBank bank = *discretise(config.bank, dt_s);
-    for (const TargetConfig& target : config.targets) {
-      models_.push_back(std::visit(MakeBoundModel{bank, dt_s}, target.motion));
-    }
-  }
+      : config_(config),
+        window_(window),
+        bank_(*discretise(config.bank, to_seconds(config.scan_period))),
+        targets_(config.targets.size()),
+        looks_(config.sensors.size()) {}
 
   ScanSample add(const Engine& engine) {
     const ScanReport& report = engine.last();
@@ -100,11 +99,14 @@ class Measurer {
     if (counts) {
       weighted_variance_ += weighted;
       ++scans_;
+      for (const LookReport& look : report.looks) looks_[look.dwell.radar.number - 1] += 1.0;
+      lost_ += static_cast<double>(engine.counts().tracks_lost - lost_before_);
     }
+    lost_before_ = engine.counts().tracks_lost;
     return sample;
   }
 
-  std::vector<double> figures(const Engine& engine) const {
+  std::vector<double> figures() const {
     TargetSums all;
     for (const TargetSums& target : targets_) {
       all.scans += target.scans;
@@ -128,11 +130,11 @@ class Measurer {
                                 (all.squared_x + all.squared_y) / scans,
                                 all.nees / std::max(all.updates, 1.0),
                                 all.mode_errors,
-                                static_cast<double>(engine.counts().tracks_lost),
+                                lost_,
                                 static_cast<double>(all.starvation),
                                 std::sqrt(all.bound / scans)};
     DWELL_ASSERT(figures.size() == kTotals.size());
-    for (const std::uint64_t looks : engine.counts().looks) figures.push_back(static_cast<double>(looks));
+    figures.insert(figures.end(), looks_.begin(), looks_.end());
     for (const TargetSums& target : targets_) figures.push_back(target.looks);
     for (const TargetSums& target : targets_) {
       figures.push_back(std::sqrt((target.squared_x + target.squared_y) / std::max(target.scans, 1.0)));
@@ -153,10 +155,10 @@ class Measurer {
     bool looked = false;
     bool updated = false;
     advance_bound(engine, truth, track, looked, updated);
+    if (!counts) return;
     sums.looks += looked ? 1.0 : 0.0;
     sums.starving = looked ? 0 : sums.starving + 1;
     sums.starvation = std::max(sums.starvation, sums.starving);
-    if (!counts) return;
     sums.scans += 1.0;
     sums.x_variance += track.combined.covariance(kX, kX);
     sums.position_variance += variance;
@@ -173,16 +175,27 @@ class Measurer {
   /// Also says whether the track was looked at, and updated.
   void advance_bound(const Engine& engine, const TruthReport& truth, const Track& track, bool& looked, bool& updated) {
     TargetSums& sums = targets_[truth.target];
-    if (!sums.cramer_rao) sums.cramer_rao.emplace(start_covariance(config_.targets[truth.target]));
-    const BoundModel& model = models_[truth.target];
-    const auto mode = static_cast<std::size_t>(model.f.size() > 1 ? truth.mode.value_or(0) : 0);
-    sums.cramer_rao->predict(model.f[mode], model.q[mode]);
+    const TargetConfig& target = config_.targets[truth.target];
     const ScanReport& report = engine.last();
+    const auto* cued = std::get_if<CuedStart>(&target.track_start);
+    const bool begins = !sums.cramer_rao || sums.track != track.id;
+    const bool by_plot = begins && cued == nullptr;  // then the bound begins with what the first scan left
+    if (begins) {
+      sums.cramer_rao.emplace(by_plot ? track.combined.covariance : cued->covariance);
+      sums.track = track.id;
+    }
+    if (track.age_scans > 0 && !by_plot) {
+      StateMatrix f, q;
+      const BoundMotion motion{bank_, to_seconds(config_.scan_period), report.time, truth.mode};
+      std::visit([&](const auto& of_target) { motion(of_target, f, q); }, target.motion);
+      sums.cramer_rao->predict(f, q);
+    }
     for (const LookReport& look : report.looks) {
       if (look.dwell.track != track.id) continue;
       looked = true;
       updated = look.used_plot.has_value();
-      if (updated) sums.cramer_rao->look(*engine.sensors()[look.dwell.radar.number - 1], truth.state);
+      if (!updated || by_plot) continue;
+      sums.cramer_rao->look(*engine.sensors()[look.dwell.radar.number - 1], truth.state);
     }
   }
 
@@ -196,8 +209,11 @@ class Measurer {
 
   const EngineConfig& config_;
   TimeWindow window_;
+  DiscreteBank bank_;
   std::vector<TargetSums> targets_;
-  std::vector<BoundModel> models_;
+  std::vector<double> looks_;  // of each sensor
+  double lost_ = 0.0;
+  std::uint64_t lost_before_ = 0;
   double weighted_variance_ = 0.0;
   double scans_ = 0.0;
 };
@@ -247,7 +263,7 @@ RunResult run_and_measure(const EngineConfig& config, std::uint64_t scans, const
     engine.scan();
     result.scans.push_back(measurer.add(engine));
   }
-  result.figures = measurer.figures(engine);
+  result.figures = measurer.figures();
   return result;
 }
 

@@ -33,7 +33,8 @@ struct RunResult {
   std::vector<double> decision_us;  // of every scan
 };
 
-/// Names of the figures, with their units:
+/// Names of the figures, with their units. All are of the scans of the window, and of living tracks: a track that is
+/// lost leaves the errors, so `tracks_lost` belongs beside them.
 ///   x_variance_m2, position_variance_m2   the filter's own, mean over scans and tracks
 ///   weighted_variance_m2                  sum over tracks of weight x position variance, mean over scans
 ///   position_rms_m, x_rms_m, y_rms_m      true error, root mean square over scans and tracks
@@ -41,7 +42,9 @@ struct RunResult {
 ///   nees                                  of the whole state at updates, mean
 ///   mode_errors                           scans whose likeliest mode is not the true one (jump-Markov targets)
 ///   tracks_lost, starvation_scans         the longest run of scans of a living track without a look
-///   cramer_rao_rms_m                      square root of the mean of the conditional bound's position trace
+///   cramer_rao_rms_m                      square root of the mean of the conditional bound's position trace; the
+///                                         truth moves as scripted (legs known), by its true mode, or, where it is
+///                                         recorded, by the bank's first mode
 ///   looks.radar.NAME, looks.track.NAME, position_rms_m.track.NAME
 std::vector<std::string> metric_names(const EngineConfig& config);
 

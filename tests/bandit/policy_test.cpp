@@ -76,12 +76,13 @@ void expect_choice_follows_scores(const Situation& situation, const Decision& de
       EXPECT_EQ(decision.chosen[look], *best);
     }
   }
-  std::vector<double> scores;
-  for (const Candidate& candidate : candidates) scores.push_back(candidate.score);
-  std::sort(scores.rbegin(), scores.rend());
-  EXPECT_EQ(decision.margin.has_value(), scores.size() > 1);
+  std::vector<double> left;  // not chosen
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (std::ranges::count(decision.chosen, i) == 0) left.push_back(candidates[i].score);
+  }
+  EXPECT_EQ(decision.margin.has_value(), !left.empty());
   if (decision.margin) {
-    EXPECT_EQ(*decision.margin, scores[0] - scores[1]);
+    EXPECT_EQ(*decision.margin, candidates[decision.chosen[0]].score - *std::ranges::max_element(left));
   }
 }
 

@@ -100,16 +100,30 @@ TEST(RoundRobin, TheFirstTrackNeedNotBeNumberOne) {
 }
 
 /// Two looks a scan, rrlock: both go on from the second.
-TEST(RoundRobin, SeveralLooksGoOnFromTheLast) {
-  RoundRobin policy = in_order(Order::kLocked);
-  Scene scene = plain_scene(3, {1, 2, 3});
-  Decision decision;
-  policy.decide(scene.situation(2), decision);
-  EXPECT_EQ(choice_of(scene, decision, 0), Choice(1, 1));
-  EXPECT_EQ(choice_of(scene, decision, 1), Choice(2, 2));
-  policy.decide(scene.situation(2), decision);
-  EXPECT_EQ(choice_of(scene, decision, 0), Choice(3, 3));
-  EXPECT_EQ(choice_of(scene, decision, 1), Choice(1, 1));
+TEST(RoundRobin, SeveralLooksStarveNoPair) {
+  for (const Order order : {Order::kRadarFastest, Order::kTrackFastest, Order::kLocked}) {
+    for (const int looks : {1, 2, 3}) {
+      RoundRobin policy = in_order(order);
+      Scene scene = plain_scene(3, {1, 2, 3});
+      Decision decision;
+      std::map<Choice, int> seen;
+      std::map<int, int> of_sensor, of_track;
+      for (int scan = 0; scan < 90; ++scan) {
+        policy.decide(scene.situation(looks), decision);
+        for (int look = 0; look < looks; ++look) {
+          const Choice choice = choice_of(scene, decision, static_cast<std::size_t>(look));
+          ++seen[choice];
+          ++of_sensor[choice.first];
+          ++of_track[choice.second];
+        }
+      }
+      EXPECT_EQ(seen.size(), order == Order::kLocked ? 3 : 9) << looks << " looks";
+      for (int number = 1; number <= 3; ++number) {
+        EXPECT_EQ(of_sensor[number], 30 * looks) << "sensor " << number << ", " << looks << " looks";
+        EXPECT_EQ(of_track[number], 30 * looks) << "track " << number << ", " << looks << " looks";
+      }
+    }
+  }
 }
 
 /// The score is minus the turns until a pair is next.
@@ -119,10 +133,10 @@ TEST(RoundRobin, TheScoreCountsTurns) {
   Decision decision;
   policy.decide(scene.situation(), decision);
   policy.decide(scene.situation(),
-                decision);  // {2, 1} is next, then {1, 2}, {2, 2}; number 0 has two turns; {1, 1}
+                decision);  // {2, 1} is next, then {1, 2}, {2, 2}, {1, 1}
   std::vector<double> scores;
   for (const Candidate& candidate : decision.candidates) scores.push_back(candidate.score);
-  EXPECT_THAT(scores, ElementsAre(-5.0, 0.0, -1.0, -2.0));
+  EXPECT_THAT(scores, ElementsAre(-3.0, 0.0, -1.0, -2.0));
 }
 
 }  // namespace

@@ -104,7 +104,7 @@ TEST(Explain, TheSecondOfTwoLooksIsMeasuredAgainstThoseNotChosen) {
   look.set_track(2);
   EXPECT_THAT(text_of(s),
               AllOf(HasSubstr("chosen  linear -> 2 target2: 0 plots, none in the gate"),
-                    HasSubstr("a score of 3000; none of the 1 candidates left"), HasSubstr("over west -> 1 target1")));
+                    HasSubstr("a score of 3000; no other pair was feasible"), HasSubstr("over west -> 1 target1")));
 }
 
 TEST(Explain, SaysThatThePolicyFellBack) {

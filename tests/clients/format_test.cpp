@@ -59,8 +59,10 @@ TEST(TrackFigures, HeadingIsClockwiseFromNorth) {
 TEST(TrackFigures, AreAbsentWhereTheMessageHoldsNothing) {
   const TrackFigures f = figures(v1::Track(), 0);
   EXPECT_FALSE(f.east_km || f.north_km || f.speed_mps || f.heading_deg || f.sigma_m || f.age_of_look_s);
-  EXPECT_THAT(track_line(v1::Track(), {}, 0),
-              HasSubstr("0 -            unknown            -          -        -   -         - -                - -"));
+  EXPECT_THAT(
+      track_line(v1::Track(), {}, 0),
+      HasSubstr(
+          "0 -                        unknown            -          -        -   -         - -                - -"));
 }
 
 TEST(TrackFigures, WhatStandsStillHasNoHeading) {
@@ -75,7 +77,7 @@ TEST(TrackLine, HoldsOneFieldAColumn) {
   t.set_last_look_radar(1);
   t.set_last_look_time_ns(9'500'000'000);
   EXPECT_EQ(track_line(t, Names(snapshot(0)), 12'000'000'000),
-            "      12.000     7 two_words    confirmed    120.000    -40.000    500.0 037      50.0 west"
+            "      12.000     7 two_words                confirmed    120.000    -40.000    500.0 037      50.0 west"
             "         2.500 .90 .08 .02");
   EXPECT_EQ(track_line_header().find("age_s"), track_line(t, Names(snapshot(0)), 12'000'000'000).find("2.500"));
 }

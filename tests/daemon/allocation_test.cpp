@@ -17,13 +17,14 @@ std::string scenario(bool clutter) {
   // A footprint that holds the target of a track gone astray, with 5 false plots on average.
   const std::string density =
       std::string(" dwell_range_m: 60e3 dwell_azimuth_deg: 30") + (clutter ? " clutter_density: 4e-5" : "");
-  std::string text = "radar { name: \"west\" x_m: -60e3 detection_probability: 0.9" + density +
-                     " }\n"
-                     "radar { name: \"east\" x_m: 60e3 false_alarm_probability: 1e-6" +
-                     density +
-                     " }\n"
-                     "radar { name: \"south\" y_m: -60e3 beamwidth_deg: 0.3 detection_probability: 0.95" +
-                     density + " }\n";
+  std::string text =
+      "radar { name: \"west\" max_range_m: 1e6 x_m: -60e3 detection_probability: 0.9" + density +
+      " }\n"
+      "radar { name: \"east\" max_range_m: 1e6 x_m: 60e3 false_alarm_probability: 1e-6" +
+      density +
+      " }\n"
+      "radar { name: \"south\" max_range_m: 1e6 y_m: -60e3 beamwidth_deg: 0.3 detection_probability: 0.95" +
+      density + " }\n";
   RandomStream random(5);
   for (int i = 0; i < 30; ++i) {
     const auto number = [&](double limit) { return std::to_string(random.uniform(-limit, limit)); };
@@ -32,7 +33,11 @@ std::string scenario(bool clutter) {
             " jump_markov { area { radius_m: 50e3 } } }\n";
   }
   // Nearly no track is given up: each has its part in every scan.
-  return text + "tracker { lost_probability: 1e-300 lost_squared_distance: inf }\n";
+  // One waits for its first plot, out of the reach of all.
+  text +=
+      "target { name: \"a target that waits for its plot with a name on the heap\" x_m: 500e6 start { first_plot {} } "
+      "}\n";
+  return text + "tracker { lost_probability: 1e-300 lost_squared_distance: inf lost_sigma_m: inf }\n";
 }
 
 struct Case {

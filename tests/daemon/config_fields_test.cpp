@@ -156,6 +156,8 @@ const std::vector<Row> kRows{
    {"1e-9", "1e300", "inf"}},
   {"Tracker.lost_probability", top("tracker { lost_probability: @ }"), "tracker.lost_probability",
    "must be in (0, 1)", not_finite_and({"0", "1"}), {"1e-300", "0.999"}},
+  {"Tracker.lost_sigma_m", top("tracker { lost_sigma_m: @ }"), "tracker.lost_sigma_m", "must be > 0",
+   {"nan", "-inf", "0", "-1"}, {"1e-9", "1e300", "inf"}},
   {"Tracker.lost_squared_distance", top("tracker { lost_squared_distance: @ }"), "tracker.lost_squared_distance",
    "must be > 0", {"nan", "-inf", "0", "-1"}, {"1e-9", "1e300", "inf"}},
   {"ModeBank.transition", top(kTwoModes + "transition: [1, 0, @, 1] } }"), "tracker.bank.transition",

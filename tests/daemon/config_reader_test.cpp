@@ -411,6 +411,7 @@ TEST(EffectiveConfig, WritesEveryDefaultOut) {
                            "update: EKF\n",
                            "gate: 16\n",
                            "lost_probability: 1e-08\n",
+                           "lost_sigma_m: 20000\n",
                            "lost_squared_distance: 9\n",
                            "name: \"cruise_and_turn\"\n",
                            "cost: POSITION\n",

@@ -291,8 +291,9 @@ TEST(Engine, AllRadarsDownIsNoLookAndTheTracksArePredictedOn) {
     for (int i = 0; i < 10; ++i) (void)engine.scan();
     for (std::size_t sensor = 0; sensor < 3; ++sensor) engine.set_sensor(sensor, false);
     double variance = 0.0;
-    for (int i = 0; i < 200; ++i) {
+    for (int i = 0; i < 100; ++i) {
       const ScanReport& report = engine.scan();
+      EXPECT_EQ(engine.tracks()[0].status, TrackStatus::kCoasting);
       EXPECT_TRUE(report.decision.candidates.empty());
       EXPECT_TRUE(report.looks.empty());
       EXPECT_TRUE(report.plots.empty());
@@ -307,6 +308,23 @@ TEST(Engine, AllRadarsDownIsNoLookAndTheTracksArePredictedOn) {
     ASSERT_EQ(report.looks.size(), 1);
     EXPECT_EQ(report.looks[0].dwell.radar, RadarId{2});
   }
+}
+
+/// Nobody can look: the track coasts until its position is unknown, then it is given up.
+TEST(Engine, TrackThatNobodyReachesIsGivenUp) {
+  Engine engine(
+      engine_config("radar { name: \"near\" max_range_m: 50e3 }\n"
+                    "target { name: \"out\" y_m: 49e3 vy_mps: 300 }\ntracker { lost_sigma_m: 5e3 }\n"));
+  double sigma_m = 0.0;
+  while (!engine.tracks().empty() && engine.tracks()[0].alive()) {
+    ASSERT_LT(engine.last().scan, 1000);
+    sigma_m = std::sqrt(position_block(engine.tracks()[0].combined.covariance).trace());
+    (void)engine.scan();
+  }
+  ASSERT_EQ(engine.tracks().size(), 1);
+  EXPECT_EQ(engine.tracks()[0].loss, LossCause::kUncertain);
+  EXPECT_LE(sigma_m, 5e3);
+  EXPECT_EQ(engine.counts().tracks_lost, 1);
 }
 
 TEST(Engine, OnlyCoveredPairsAreFeasible) {

@@ -220,8 +220,9 @@ TEST(KalmanUpdate, OrderOfIndependentMeasurementsDoesNotMatter) {
     const Gaussian one = update_with(update_with(prior, first, z1, lost), second, z2, lost);
     const Gaussian other = update_with(update_with(prior, second, z2, lost), first, z1, lost);
     const State size = prior.covariance.diagonal().cwiseSqrt() + prior.mean.cwiseAbs();
-    EXPECT_TRUE(near(one.mean, other.mean, 8.0 * lost * size));
-    EXPECT_TRUE(near(one.covariance, other.covariance, 8.0 * lost * matrices::scale_of(prior.covariance)));
+    // Solving by Cholesky's factor loses n (3 n + 1) eps cond, n = 2: Higham (2002), theorem 10.4.
+    EXPECT_TRUE(near(one.mean, other.mean, 14.0 * lost * size));
+    EXPECT_TRUE(near(one.covariance, other.covariance, 14.0 * lost * matrices::scale_of(prior.covariance)));
   }
 }
 
