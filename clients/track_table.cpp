@@ -16,7 +16,7 @@ constexpr int kCovarianceXY = 2;
 constexpr int kVarianceY = 7;
 constexpr int kCovarianceSize = 10;
 
-constexpr int kWide = 100;  // columns: from here on there is room for the modes and for long names
+constexpr int kWide = 100;  // columns: from here on there is room for long names
 
 std::string cell(std::optional<double> value, int decimals) { return value ? fixed(*value, decimals) : "-"; }
 
@@ -108,8 +108,8 @@ TrackTable::TrackTable(int columns)
               {"m/s", true, 5},
               {"hdg", true, 6},
               {"sigma m", true, 3},
-              {"modes", false, 8},
-              {"radar", false, 7},
+              {"modes", false, 3},
+              {"radar", false, 8},
               {"age s", true, 4}}) {}
 
 void TrackTable::add(const v1::Track& track, const Names& names, std::int64_t time_ns, bool looked_at) {

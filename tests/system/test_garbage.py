@@ -75,6 +75,7 @@ class Garbage(SystemTest):
                 pass  # what was published meanwhile; then the next one
             self.assertGreater(after.wall_clock.requests_unreadable, before.wall_clock.requests_unreadable)
             self.assertTrue(daemon.control().ask(set_policy={"text": "fixed"}).HasField("accepted"))
+            self.assertLess(daemon.memory_mib(), 256)
             for connection in self.held:
                 connection.close()
             while descriptors < daemon.descriptors() - 20:  # half-open ones are given 2 s
@@ -112,7 +113,8 @@ class Garbage(SystemTest):
         if chance.randrange(2):
             return chance.randbytes(chance.randrange(0, 200))
         request = control_pb2.Request(id="x" * chance.randrange(1, 70), client="garbage")
-        request.set_policy.text = "sa_imm:nodes=7"
+        # Now and then one as large as a request may be, with as much wrong in it.
+        request.set_policy.text = "sa_imm:nodes=7" if chance.randrange(8) else "sa_imm" + ":a" * chance.randrange(30000)
         changed = bytearray(request.SerializeToString())
         for _ in range(chance.randrange(1, 6)):
             changed[chance.randrange(len(changed))] = chance.randrange(256)
