@@ -1,0 +1,181 @@
+#include <algorithm>
+#include <cmath>
+
+#include <gmock/gmock.h>
+
+#include "bandit/hmm_selection/belief.hpp"
+#include "bandit/hmm_selection/policies.hpp"
+#include "tests/scale.hpp"
+
+namespace dwell::hmm_selection {
+namespace {
+
+using ::testing::IsEmpty;
+using ::testing::UnorderedElementsAre;
+
+Eigen::MatrixXd distributions(int rows, int cols, RandomStream& stream) {
+  Eigen::MatrixXd m(rows, cols);
+  for (double& entry : m.reshaped()) entry = -std::log(1.0 - stream.uniform());
+  for (int i = 0; i < rows; ++i) m.row(i) /= m.row(i).sum();
+  return m;
+}
+
+Problem random_problem(int states, int sensors, int horizon, RandomStream& stream) {
+  Problem problem;
+  problem.transition = distributions(states, states, stream);
+  problem.belief = distributions(1, states, stream).row(0);
+  problem.horizon = horizon;
+  problem.beta = 0.5 + stream.uniform();
+  for (int u = 0; u < sensors; ++u) {
+    const int symbols = 2 + static_cast<int>(2.0 * stream.uniform());
+    problem.sensors.push_back({distributions(states, symbols, stream), 0.05 * stream.uniform()});
+  }
+  return problem;
+}
+
+/// Sensor 1 sees the state, sensor 2 nothing. The chain keeps its state.
+Problem sight_and_blind(double cost_of_sight) {
+  Problem problem;
+  problem.transition = Eigen::Matrix2d::Identity();
+  problem.belief = Eigen::Vector2d(0.5, 0.5);
+  problem.horizon = 3;
+  problem.sensors = {{Eigen::Matrix2d::Identity(), cost_of_sight}, {Eigen::MatrixXd::Ones(2, 1), 0.0}};
+  return problem;
+}
+
+TEST(HmmBelief, ByHand) {
+  Problem problem;
+  problem.transition = Eigen::Matrix2d{{0.9, 0.1}, {0.3, 0.7}};
+  problem.belief = Eigen::Vector2d(0.5, 0.5);  // predicted (0.6, 0.4)
+  problem.sensors = {{Eigen::Matrix2d{{0.8, 0.2}, {0.1, 0.9}}, 0.25}};
+  const std::vector<Outcome> seen = outcomes(problem, problem.belief, 0);
+  ASSERT_EQ(seen.size(), 2U);
+  EXPECT_NEAR(seen[0].probability, 0.52, 1e-15);
+  EXPECT_NEAR(seen[0].belief[0], 0.48 / 0.52, 1e-15);
+  EXPECT_NEAR(seen[1].probability, 0.48, 1e-15);
+  EXPECT_NEAR(seen[1].belief[0], 0.25, 1e-15);
+  const double expected = 0.25 + 1.0 - (0.48 * 0.48 + 0.04 * 0.04) / 0.52 - (0.12 * 0.12 + 0.36 * 0.36) / 0.48;
+  EXPECT_NEAR(expected_cost(problem, problem.belief, 0), expected, 1e-15);
+}
+
+TEST(HmmBelief, WhatCannotBeSeenIsNoOutcome) {
+  Problem problem = sight_and_blind(0.0);
+  problem.belief = Eigen::Vector2d(1.0, 0.0);
+  EXPECT_EQ(outcomes(problem, problem.belief, 0).size(), 1U);
+}
+
+TEST(HmmBelief, AveragesToThePrediction) {
+  RandomStream stream(60);
+  for (int run = 0; run < scaled(100); ++run) {
+    const Problem problem = random_problem(3, 1, 1, stream);
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    for (const Outcome& outcome : outcomes(problem, problem.belief, 0)) mean += outcome.probability * outcome.belief;
+    EXPECT_LT((mean - problem.transition.transpose() * problem.belief).norm(), 1e-14);
+  }
+}
+
+// Sight for 0.6: the first look clears 1/2 a step for three steps, but only 1/2 in the first.
+TEST(HmmSelection, TheOneStepRuleDoesNotInvest) {
+  const Problem problem = sight_and_blind(0.6);
+  const RandomStream stream(61);
+  EXPECT_NEAR(solve(problem, OneStepSettings{}, 2, stream).cost, 1.5, 1e-14);
+  const Solution best = solve(problem, OptimumSettings{}, 2, stream);
+  EXPECT_NEAR(best.cost, 0.6, 1e-14);
+  EXPECT_EQ(best.first, 1);
+  EXPECT_NEAR(best.looks[0], 1.0, 1e-14);
+  EXPECT_NEAR(best.looks[1], 2.0, 1e-14);
+  EXPECT_NEAR(solve(problem, FixedSettings{1}, 2, stream).cost, 1.8, 1e-14);
+  EXPECT_NEAR(solve(problem, RoundRobinSettings{}, 2, stream).cost, 1.2, 1e-14);
+}
+
+TEST(HmmSelection, TiesGoToTheFirstSensor) {
+  Problem problem = sight_and_blind(0.0);
+  problem.sensors[1] = problem.sensors[0];
+  EXPECT_EQ(solve(problem, OneStepSettings{}, 2, RandomStream(62)).first, 1);
+  EXPECT_EQ(solve(problem, OptimumSettings{}, 2, RandomStream(62)).first, 1);
+}
+
+TEST(HmmSelection, TheOptimumIsBelowAllAndEqualAtOneStep) {
+  RandomStream stream(63);
+  for (int run = 0; run < scaled(100); ++run) {
+    Problem problem = random_problem(3, 3, 4, stream);
+    const double best = solve(problem, OptimumSettings{}, 2, stream).cost;
+    for (const PolicySettings& settings : {PolicySettings{OneStepSettings{}}, PolicySettings{RoundRobinSettings{}},
+                                           PolicySettings{FixedSettings{2}}}) {
+      EXPECT_LE(best, solve(problem, settings, 2, stream).cost * (1.0 + 1e-12));
+    }
+    problem.horizon = 1;
+    const Solution one = solve(problem, OneStepSettings{}, 2, stream);
+    const Solution whole = solve(problem, OptimumSettings{}, 2, stream);
+    EXPECT_EQ(one.first, whole.first);
+    EXPECT_NEAR(one.cost, whole.cost, 1e-14);
+  }
+}
+
+/// All plans of two steps: a first sensor, and a second for each symbol it may show.
+double best_plan(const Problem& problem) {
+  double best = 1e300;
+  for (int first = 0; first < problem.sensor_count(); ++first) {
+    double cost = problem.sensors[static_cast<std::size_t>(first)].cost;
+    const Eigen::VectorXd predicted = problem.transition.transpose() * problem.belief;
+    const Eigen::MatrixXd& emission = problem.sensors[static_cast<std::size_t>(first)].emission;
+    for (int y = 0; y < emission.cols(); ++y) {
+      const double p = emission.col(y).dot(predicted);
+      const Eigen::VectorXd belief = emission.col(y).cwiseProduct(predicted) / p;
+      double second = 1e300;
+      for (int u = 0; u < problem.sensor_count(); ++u) second = std::min(second, expected_cost(problem, belief, u));
+      cost += p * (problem.beta * (1.0 - belief.dot(belief)) + second);
+    }
+    best = std::min(best, cost);
+  }
+  return best;
+}
+
+TEST(HmmSelection, TheOptimumOfTwoStepsIsTheBestPlan) {
+  RandomStream stream(64);
+  for (int run = 0; run < scaled(100); ++run) {
+    const Problem problem = random_problem(2 + run % 3, 3, 2, stream);
+    const double best = best_plan(problem);
+    EXPECT_NEAR(solve(problem, OptimumSettings{}, 2, stream).cost, best, 1e-13 * best);
+  }
+}
+
+// Horizon 10 is exact, and what runs of it would give is known: the mean within 5 standard errors, 6e-7 false alarms.
+TEST(HmmSelection, RunsAgreeWithTheTree) {
+  RandomStream stream(65);
+  Problem problem = random_problem(3, 2, 10, stream);
+  const Solution exact = solve(problem, OneStepSettings{}, 2, stream);
+  EXPECT_EQ(exact.standard_error, 0.0);
+  problem.horizon = 40;  // too large for a tree
+  const Solution sampled = solve(problem, OneStepSettings{}, 4000, stream);
+  EXPECT_GT(sampled.standard_error, 0.0);
+  EXPECT_LT(sampled.standard_error, 0.01 * sampled.cost);
+  // The chain forgets in a few steps: ten steps cost a quarter of forty, to what start and end make of it.
+  EXPECT_NEAR(sampled.cost, 4.0 * exact.cost, 0.1 * sampled.cost);
+  EXPECT_NEAR(sampled.looks[0] + sampled.looks[1], 40.0, 1e-9);
+}
+
+TEST(HmmSelection, SaysWhereTheTreeIsTooLarge) {
+  RandomStream stream(66);
+  const Problem problem = random_problem(3, 3, 40, stream);
+  EXPECT_THROW(solve(problem, OptimumSettings{}, 2, stream), std::length_error);
+}
+
+TEST(HmmSelection, AllViolationsAreListed) {
+  Problem problem = sight_and_blind(0.0);
+  EXPECT_THAT(validate(problem), IsEmpty());
+  problem.transition(0, 0) = 0.5;
+  problem.belief = Eigen::Vector2d(2.0, -1.0);
+  problem.horizon = 0;
+  problem.beta = 0.0;
+  problem.sensors[0].emission(0, 0) = std::nan("");
+  problem.sensors[1].cost = -1.0;
+  std::vector<std::string> fields;
+  for (const Violation& violation : validate(problem)) fields.push_back(violation.field);
+  EXPECT_THAT(fields, UnorderedElementsAre("transition", "belief", "horizon", "beta", "sensor[1].emission",
+                                           "sensor[2].cost"));
+  EXPECT_EQ(validate(FixedSettings{3}, problem).front().rule, "must be from 1 to 2");
+}
+
+}  // namespace
+}  // namespace dwell::hmm_selection
