@@ -12,11 +12,11 @@
 namespace dwell::lti {
 namespace {
 
-constexpr double kLargest = 1e12;        // times the start: taken for divergence
+constexpr double kLargest = 1e12;  // times the start: taken for divergence
 constexpr int kNewtonSteps = 100;
-constexpr double kConverged = 1e-11;     // change of X, relative; the next would be its square
-constexpr double kFinestScale = 1e-6;    // of A, on the way back up
-constexpr double kCorner = 0.9;          // how near a corner a descent starts
+constexpr double kConverged = 1e-11;   // change of X, relative; the next would be its square
+constexpr double kFinestScale = 1e-6;  // of A, on the way back up
+constexpr double kCorner = 0.9;        // how near a corner a descent starts
 
 /// Y -> sum_i q_i f_i Y f_i' over symmetric Y, as a matrix on the entries (r, c), r >= c.
 Eigen::MatrixXd second_moment_map(const std::vector<Matrix>& f, const Eigen::VectorXd& q, bool transposed) {
@@ -76,9 +76,9 @@ Problem scaled(Problem problem, double a_scale) {
 }  // namespace
 
 struct AveragedRiccati::Average {
-  Matrix next;                // sum_i q_i F_i(X)
-  std::vector<Matrix> of;     // F_i(X)
-  std::vector<Matrix> f;      // dF_i = f_i dX f_i'
+  Matrix next;             // sum_i q_i F_i(X)
+  std::vector<Matrix> of;  // F_i(X)
+  std::vector<Matrix> f;   // dF_i = f_i dX f_i'
 };
 
 AveragedRiccati::AveragedRiccati(const Problem& problem, double a_scale) : riccati_(scaled(problem, a_scale)) {

@@ -30,8 +30,8 @@ class AveragedRiccati {
   AveragedRiccati(const Problem& problem, double a_scale);
 
   struct FixedPoint {
-    double trace;               ///< tr X, summed over blocks
-    Eigen::VectorXd gradient;   ///< d trace / d q
+    double trace;              ///< tr X, summed over blocks
+    Eigen::VectorXd gradient;  ///< d trace / d q
   };
   /// Empty where there is none, or none below kLargest times the start.
   std::optional<FixedPoint> fixed_point(const Eigen::VectorXd& q);

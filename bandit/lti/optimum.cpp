@@ -212,9 +212,9 @@ class SuffixSearch {
   SearchTree& tree_;
   Node root_;
   int steps_;
-  std::vector<std::vector<double>> lowest_;          // under all sensors, after each step
-  std::vector<std::vector<double>> at_hand_;         // under the schedule at hand
-  std::vector<std::vector<std::uint16_t>> looks_;    // of that schedule, and before
+  std::vector<std::vector<double>> lowest_;        // under all sensors, after each step
+  std::vector<std::vector<double>> at_hand_;       // under the schedule at hand
+  std::vector<std::vector<std::uint16_t>> looks_;  // of that schedule, and before
   double value_ = 0.0;
   std::vector<int> best_;
   std::vector<double> covariance_;
@@ -238,8 +238,7 @@ Solution optimum(const Problem& problem) {
   Riccati riccati(problem);
   const std::vector<double> initial = riccati.initial();
   const std::vector<std::uint16_t> no_looks(problem.sensors.size(), 0);
-  Solution solution =
-      evaluate(problem, best_schedule(problem, riccati, initial, no_looks, problem.horizon));
+  Solution solution = evaluate(problem, best_schedule(problem, riccati, initial, no_looks, problem.horizon));
   solution.expanded = riccati.steps();
   return solution;
 }

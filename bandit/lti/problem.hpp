@@ -13,10 +13,10 @@ inline constexpr int kMaximumHorizon = 10'000;
 
 /// A sensor of a linear system: y = C x + v, v ~ N(0, R).
 struct Sensor {
-  Eigen::MatrixXd c;        ///< p x n, any p >= 1
-  Eigen::MatrixXd r;        ///< p x p, symmetric and positive definite
-  double cost = 0.0;        ///< of one look, added to the objective; >= 0
-  int max_looks = 0;        ///< over the horizon; 0: no limit
+  Eigen::MatrixXd c;  ///< p x n, any p >= 1
+  Eigen::MatrixXd r;  ///< p x p, symmetric and positive definite
+  double cost = 0.0;  ///< of one look, added to the objective; >= 0
+  int max_looks = 0;  ///< over the horizon; 0: no limit
 };
 
 enum class Objective {
@@ -26,7 +26,7 @@ enum class Objective {
 
 enum class CovarianceKind {
   kPredicted,  ///< P[k] = before the look of step k; the sum has k = 0 .. N and P[0] is the initial covariance
-  kFiltered,   ///< P[k] = after the look of step k; the sum has k = 1 .. N and P[0] is where the first prediction starts
+  kFiltered,  ///< P[k] = after the look of step k; the sum has k = 1 .. N and P[0] is where the first prediction starts
 };
 
 /// One linear system, several sensors, one look a step: which sensor, in which order?
@@ -41,10 +41,10 @@ enum class CovarianceKind {
 ///
 /// Source  Chung et al. (2004), II; Gupta et al. (2004), 2; Evans et al. (2005), III-B (kFiltered).
 struct Problem {
-  int horizon = 0;                 ///< N
-  Eigen::MatrixXd a;               ///< n x n, stable or not
-  Eigen::MatrixXd w;               ///< n x n, symmetric, positive semidefinite
-  Eigen::MatrixXd initial;         ///< P[0], n x n, symmetric, positive semidefinite
+  int horizon = 0;          ///< N
+  Eigen::MatrixXd a;        ///< n x n, stable or not
+  Eigen::MatrixXd w;        ///< n x n, symmetric, positive semidefinite
+  Eigen::MatrixXd initial;  ///< P[0], n x n, symmetric, positive semidefinite
   std::vector<Sensor> sensors;
   Objective objective = Objective::kSum;
   CovarianceKind covariance = CovarianceKind::kPredicted;

@@ -48,10 +48,7 @@ bool no_more_looks(const Problem& problem, std::span<const std::uint16_t> a, std
 }
 
 SearchTree::SearchTree(const Problem& problem, Riccati& riccati, std::size_t maximum_bytes)
-    : problem_(problem),
-      riccati_(riccati),
-      trace_weight_(lti::trace_weight(problem)),
-      maximum_bytes_(maximum_bytes) {}
+    : problem_(problem), riccati_(riccati), trace_weight_(lti::trace_weight(problem)), maximum_bytes_(maximum_bytes) {}
 
 Level SearchTree::root() {
   const std::vector<double> covariance = riccati_.initial();
@@ -88,8 +85,12 @@ Level SearchTree::grow(const Level& level, Pruning& pruning) {
       riccati_.step(node.covariance, choice, covariance.data());
       looks.assign(node.looks.begin(), node.looks.end());
       if (choice > 0) ++looks[static_cast<std::size_t>(choice - 1)];
-      const Node child{covariance.data(), cost_after(node.cost, choice, covariance.data()), looks,
-                       static_cast<std::uint32_t>(i), choice, 0};
+      const Node child{covariance.data(),
+                       cost_after(node.cost, choice, covariance.data()),
+                       looks,
+                       static_cast<std::uint32_t>(i),
+                       choice,
+                       0};
       if (pruning.admits(child)) children.add(child);
     }
     if (children.bytes() > maximum_bytes_) {

@@ -20,9 +20,9 @@ struct DescentSettings {
 };
 
 /// Descends from q to a point without a direction of descent; of a convex function that is the minimum. A start
-/// without a value is returned as it is. Spectral projected gradient: steps of Barzilai and Borwein's length, projected,
-/// and shortened until the value is below the largest of the last ten by Armijo's rule.
-/// Source  Birgin, Martinez, Raydan (2000), SIAM J. Optim. 10, 1196-1211, algorithm 2.2.
+/// without a value is returned as it is. Spectral projected gradient: steps of Barzilai and Borwein's length,
+/// projected, and shortened until the value is below the largest of the last ten by Armijo's rule. Source  Birgin,
+/// Martinez, Raydan (2000), SIAM J. Optim. 10, 1196-1211, algorithm 2.2.
 Eigen::MatrixXd descend(const SimplexFunction& function, Eigen::MatrixXd q, const DescentSettings& settings);
 
 }  // namespace dwell::lti

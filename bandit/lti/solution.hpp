@@ -17,7 +17,7 @@ struct Solution {
   std::uint64_t expanded = 0;         ///< Riccati steps of single n x n covariances that the policy took
   std::vector<double> probabilities;  ///< `random`: of each sensor
   std::optional<double> bound;        ///< `random`: of what a steady step costs in the mean; absent where there is none
-  std::vector<std::size_t> set_sizes; ///< `relaxed_dp`: covariances kept after each step
+  std::vector<std::size_t> set_sizes;  ///< `relaxed_dp`: covariances kept after each step
 };
 
 /// Cost and final trace of a schedule of N entries. The other fields are empty.

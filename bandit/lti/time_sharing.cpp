@@ -21,7 +21,8 @@ double assignment_bound(const Eigen::MatrixXd& cost, const std::vector<double>& 
   const Eigen::Index columns = cost.cols();
   Eigen::VectorXd price = Eigen::VectorXd::Zero(cost.rows());
   std::vector<double> gain(static_cast<std::size_t>(columns));
-  const bool limited = std::any_of(left.begin(), left.end(), [&](double l) { return l < static_cast<double>(columns); });
+  const bool limited =
+      std::any_of(left.begin(), left.end(), [&](double l) { return l < static_cast<double>(columns); });
   for (int round = 0; limited && round < kPriceRounds; ++round) {
     for (Eigen::Index c = 0; c < cost.rows(); ++c) {
       const double available = left[static_cast<std::size_t>(c)];

@@ -16,7 +16,8 @@ namespace dwell::lti {
 /// before P[k]; matrix inversion is convex in the Loewner order, and limits of convex functions are convex. So from
 /// any shares q, and for any prices lambda_j >= 0 on the budget of b_j looks that are left,
 ///
-///   cost of a schedule >= f(q) - g.q + sum_k min_j (g_kj + lambda_j) - sum_j lambda_j b_j,   g = the gradient of f at q.
+///   cost of a schedule >= f(q) - g.q + sum_k min_j (g_kj + lambda_j) - sum_j lambda_j b_j,   g = the gradient of f at
+///   q.
 ///
 /// The shares are made good at one node, by descent, and serve all; the prices are made good at each node.
 ///
@@ -39,10 +40,10 @@ class TimeSharing {
   double cost_of_block(int block, const double* covariance, int steps, Eigen::MatrixXd& gradient);
 
   SearchTree& tree_;
-  int first_choice_;                    // 0 where idle is allowed, else 1: row c is choice first_choice_ + c
-  std::vector<double> use_cost_;        // of a choice
-  Eigen::MatrixXd shares_;              // choices x steps
-  std::vector<Matrix> roots_;           // what is told in step k to a block: k * blocks + block
+  int first_choice_;              // 0 where idle is allowed, else 1: row c is choice first_choice_ + c
+  std::vector<double> use_cost_;  // of a choice
+  Eigen::MatrixXd shares_;        // choices x steps
+  std::vector<Matrix> roots_;     // what is told in step k to a block: k * blocks + block
   std::vector<Sensitivity> sensitivity_;
   Eigen::MatrixXd gradient_;
 };

@@ -100,8 +100,8 @@ TEST(HmmSelection, TheOptimumIsBelowAllAndEqualAtOneStep) {
   for (int run = 0; run < scaled(100); ++run) {
     Problem problem = random_problem(3, 3, 4, stream);
     const double best = solve(problem, OptimumSettings{}, 2, stream).cost;
-    for (const PolicySettings& settings : {PolicySettings{OneStepSettings{}}, PolicySettings{RoundRobinSettings{}},
-                                           PolicySettings{FixedSettings{2}}}) {
+    for (const PolicySettings& settings :
+         {PolicySettings{OneStepSettings{}}, PolicySettings{RoundRobinSettings{}}, PolicySettings{FixedSettings{2}}}) {
       EXPECT_LE(best, solve(problem, settings, 2, stream).cost * (1.0 + 1e-12));
     }
     problem.horizon = 1;
@@ -172,8 +172,8 @@ TEST(HmmSelection, AllViolationsAreListed) {
   problem.sensors[1].cost = -1.0;
   std::vector<std::string> fields;
   for (const Violation& violation : validate(problem)) fields.push_back(violation.field);
-  EXPECT_THAT(fields, UnorderedElementsAre("transition", "belief", "horizon", "beta", "sensor[1].emission",
-                                           "sensor[2].cost"));
+  EXPECT_THAT(fields,
+              UnorderedElementsAre("transition", "belief", "horizon", "beta", "sensor[1].emission", "sensor[2].cost"));
   EXPECT_EQ(validate(FixedSettings{3}, problem).front().rule, "must be from 1 to 2");
 }
 

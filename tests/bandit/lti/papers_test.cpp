@@ -40,9 +40,7 @@ TEST(Chung, TheOptimum) {
   EXPECT_EQ(digits_of(best.schedule), "12122122122122122122");
 }
 
-TEST(Chung, ThresholdingFindsTheOptimumAtASmallFactor) {
-  EXPECT_COST(threshold(chung(), {1.05}), 0.578845065317272);
-}
+TEST(Chung, ThresholdingFindsTheOptimumAtASmallFactor) { EXPECT_COST(threshold(chung(), {1.05}), 0.578845065317272); }
 
 // The printed 42 % of a window of one over sensor 2 comes out with sensors 1 and 2 swapped and P[0] = 0: 42.0.
 TEST(Chung, TheImprovementPrintedNeedsSwappedLabels) {

@@ -137,7 +137,8 @@ TEST(RandomChoice, DrawsWithItsProbabilities) {
   const Solution solution = random_choice(problem, {}, RandomStream(43));
   for (int j = 1; j <= 3; ++j) {
     const double q = solution.probabilities[static_cast<std::size_t>(j - 1)];
-    const double share = static_cast<double>(std::count(solution.schedule.begin(), solution.schedule.end(), j)) / kMaximumHorizon;
+    const double share =
+        static_cast<double>(std::count(solution.schedule.begin(), solution.schedule.end(), j)) / kMaximumHorizon;
     // Hoeffding at 1e-6: sqrt(log(2e6) / (2 n)).
     EXPECT_NEAR(share, q, std::sqrt(std::log(2e6) / (2.0 * kMaximumHorizon)));
   }

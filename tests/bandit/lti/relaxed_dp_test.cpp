@@ -53,7 +53,8 @@ TEST(RelaxedDp, SixStatesAndThreeSensorsOverAHundredSteps) {
   for (const int i : {0, 1, 3, 4}) problem.a(i, i + 1) = 0.2;
   problem.w = 0.1 * Eigen::MatrixXd::Identity(6, 6);
   problem.initial = Eigen::MatrixXd::Identity(6, 6);
-  for (const int i : {0, 3, 1}) problem.sensors.push_back({Eigen::RowVectorXd::Unit(6, i), Eigen::MatrixXd::Identity(1, 1)});
+  for (const int i : {0, 3, 1})
+    problem.sensors.push_back({Eigen::RowVectorXd::Unit(6, i), Eigen::MatrixXd::Identity(1, 1)});
   constexpr double alpha = 1.5;
   const Solution solution = relaxed_dp(problem, {alpha});
   EXPECT_LE(*std::max_element(solution.set_sizes.begin(), solution.set_sizes.end()), 10U);

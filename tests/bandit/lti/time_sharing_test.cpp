@@ -38,7 +38,8 @@ TEST(TimeSharing, IsBelowEveryScheduleFromEveryNode) {
     const Level root = tree.root();
     TimeSharing sharing(tree, root[0], problem.horizon);
     const std::vector<std::vector<int>> schedules = all_schedules(problem);
-    const auto& schedule = schedules[static_cast<std::size_t>(stream.uniform() * static_cast<double>(schedules.size()))];
+    const auto& schedule =
+        schedules[static_cast<std::size_t>(stream.uniform() * static_cast<double>(schedules.size()))];
     const double whole = textbook_cost(problem, schedule).objective;
     std::vector<double> covariance = riccati.initial();
     std::vector<std::uint16_t> looks(problem.sensors.size(), 0);
