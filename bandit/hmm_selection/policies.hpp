@@ -14,18 +14,23 @@ struct FixedSettings {
 };
 /// Sensor 1 in the first step, then in turn.
 struct RoundRobinSettings {};
-/// The least expected cost of the next step; of equal ones (1e-12) the first. Source: Evans et al. (2005), IV-A.
-struct OneStepSettings {};
-/// The least expected cost of all that is left, by the tree of all sensors and symbols. The cost is no linear function
-/// of the belief, so the value function is not one of finitely many pieces: the tree is the exact method.
+/// The first look of the plan that expects the least cost of the next min(d, steps left) steps; of equal ones (1e-12)
+/// the first. d = 1 is the one-step rule. Source: Evans et al. (2005), IV-A.
+struct WindowSettings {
+  int d = 1;  ///< >= 1
+};
+/// The plan that expects the least cost of all steps, by the tree of all sensors and symbols. The cost is no linear
+/// function of the belief, so the value function is not one of finitely many pieces: the tree is the exact method.
 struct OptimumSettings {};
 
-using PolicySettings = std::variant<OneStepSettings, RoundRobinSettings, FixedSettings, OptimumSettings>;
+/// The default first.
+using PolicySettings = std::variant<WindowSettings, RoundRobinSettings, FixedSettings, OptimumSettings>;
 
 std::vector<Violation> validate(const PolicySettings& settings, const Problem& problem);
 
-/// Beliefs that a tree may have: about a minute.
+/// Beliefs that a tree may have, and all runs together: seconds, and a minute or two.
 inline constexpr double kMaximumBeliefs = 2e7;
+inline constexpr double kMaximumSampledBeliefs = 1e9;
 
 struct Solution {
   int first = 1;                ///< the sensor of the first step, 1 .. m
@@ -37,8 +42,9 @@ struct Solution {
 
 /// The expected cost of a policy: exact over the tree of what may be seen while that has at most kMaximumBeliefs, else
 /// the mean of `runs` >= 2 runs that draw what is seen from `stream` (common numbers: one uniform draw a step).
-/// Requires both to be valid.
-/// Errors   std::length_error where the tree of `optimum`, (sum of symbols over sensors)^N beliefs, is larger.
+/// Requires both to be valid. With s symbols of all sensors together, t of the one with the most, the tree of `optimum`
+/// has s^N beliefs, that of any other policy t^N, with s^d for each where it is a window.
+/// Errors   std::length_error where even that is too many.
 Solution solve(const Problem& problem, const PolicySettings& settings, int runs, RandomStream stream);
 
 }  // namespace dwell::hmm_selection

@@ -6,8 +6,6 @@
 namespace dwell::hmm_selection {
 namespace {
 
-constexpr int kMaximumStates = 1000;
-constexpr int kMaximumHorizon = 100'000;
 constexpr double kTyped = 1e-9;  // of a sum of probabilities that were typed
 
 std::string text(double value) {

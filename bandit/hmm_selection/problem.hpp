@@ -8,6 +8,9 @@
 
 namespace dwell::hmm_selection {
 
+inline constexpr int kMaximumStates = 1000;
+inline constexpr int kMaximumHorizon = 100'000;
+
 struct Sensor {
   Eigen::MatrixXd emission;  ///< states x symbols: P(y | state); rows sum to one
   double cost = 0.0;         ///< of one look, >= 0

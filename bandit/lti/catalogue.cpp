@@ -9,7 +9,7 @@ namespace {
 struct Validate {
   const Problem& problem;
 
-  std::vector<Violation> operator()(const MyopicSettings&) const { return {}; }
+  std::vector<Violation> operator()(const RoundRobinSettings&) const { return {}; }
   std::vector<Violation> operator()(const OptimumSettings&) const { return {}; }
   std::vector<Violation> operator()(const RandomSettings&) const { return {}; }
   std::vector<Violation> operator()(const FixedSettings& s) const {
@@ -32,14 +32,14 @@ struct Solve {
   const Problem& problem;
   const RandomStream& stream;
 
-  Solution operator()(const MyopicSettings&) const { return myopic(problem); }
-  Solution operator()(const OptimumSettings&) const { return optimum(problem); }
-  Solution operator()(const RandomSettings& s) const { return random_choice(problem, s, stream); }
-  Solution operator()(const FixedSettings& s) const { return fixed(problem, s); }
   Solution operator()(const WindowSettings& s) const { return window(problem, s); }
+  Solution operator()(const RoundRobinSettings&) const { return round_robin(problem); }
+  Solution operator()(const FixedSettings& s) const { return fixed(problem, s); }
+  Solution operator()(const RandomSettings& s) const { return random_choice(problem, s, stream); }
   Solution operator()(const ThresholdSettings& s) const { return threshold(problem, s); }
   Solution operator()(const BeamSettings& s) const { return beam(problem, s); }
   Solution operator()(const RelaxedDpSettings& s) const { return relaxed_dp(problem, s); }
+  Solution operator()(const OptimumSettings&) const { return optimum(problem); }
 };
 
 }  // namespace
@@ -48,8 +48,10 @@ std::vector<Violation> validate(const PolicySettings& settings, const Problem& p
   return std::visit(Validate{problem}, settings);
 }
 
-Solution solve(const Problem& problem, const PolicySettings& settings, const RandomStream& stream) {
-  return std::visit(Solve{problem, stream}, settings);
+Solution solve(const Problem& problem, const Policy& policy, const RandomStream& stream) {
+  Problem posed = problem;
+  posed.spread = problem.spread || policy.spread;
+  return std::visit(Solve{posed, stream}, policy.settings);
 }
 
 }  // namespace dwell::lti

@@ -13,11 +13,17 @@
 
 namespace dwell::lti {
 
-struct MyopicSettings {};
+struct RoundRobinSettings {};
 struct OptimumSettings {};
 
-using PolicySettings = std::variant<MyopicSettings, FixedSettings, RandomSettings, WindowSettings, ThresholdSettings,
-                                    BeamSettings, RelaxedDpSettings, OptimumSettings>;
+/// The default first.
+using PolicySettings = std::variant<WindowSettings, RoundRobinSettings, FixedSettings, RandomSettings,
+                                    ThresholdSettings, BeamSettings, RelaxedDpSettings, OptimumSettings>;
+
+struct Policy {
+  PolicySettings settings;
+  bool spread = false;  ///< budgets, as Problem::spread
+};
 
 /// What is wrong with a policy's settings for a problem that is valid itself.
 std::vector<Violation> validate(const PolicySettings& settings, const Problem& problem);
@@ -25,6 +31,6 @@ std::vector<Violation> validate(const PolicySettings& settings, const Problem& p
 /// The policy's schedule. Requires that both are valid. `stream` is for what a policy draws: give each policy the
 /// stream forked for the schedule, so that they draw from common numbers.
 /// Errors   std::length_error (SearchTree), std::overflow_error (evaluate).
-Solution solve(const Problem& problem, const PolicySettings& settings, const RandomStream& stream);
+Solution solve(const Problem& problem, const Policy& policy, const RandomStream& stream);
 
 }  // namespace dwell::lti

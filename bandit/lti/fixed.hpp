@@ -8,8 +8,10 @@ struct FixedSettings {
   int sensor = 1;  ///< 1 .. m
 };
 
-/// One sensor in every step. When its looks are used up: idle where that is allowed, else the first sensor that has
-/// looks left.
+/// One sensor in every step. Where it has no look left: idle if that is allowed, else the first sensor that has one.
 Solution fixed(const Problem& problem, const FixedSettings& settings);
+
+/// The sensors in turn, from the first; one without a look left is passed over, and where none has any: idle.
+Solution round_robin(const Problem& problem);
 
 }  // namespace dwell::lti

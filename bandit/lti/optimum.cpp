@@ -135,7 +135,8 @@ struct Suffix {
 /// Of the final trace, as the header says.
 class SuffixSearch {
  public:
-  SuffixSearch(SearchTree& tree, const Level& root, int steps) : tree_(tree), root_(root[0]), steps_(steps) {
+  SuffixSearch(SearchTree& tree, const Level& root, int steps)
+      : tree_(tree), root_(root[0]), depth_(root.depth()), steps_(steps) {
     BeamPruning beam(kGuideWidth);
     best_ = best_of_tree(tree, root, steps, beam);
     std::vector<double> covariance(root_.covariance, root_.covariance + tree.riccati().size());
@@ -172,8 +173,8 @@ class SuffixSearch {
       next.choices.insert(next.choices.end(), suffix.choices.begin(), suffix.choices.end());
       next.looks = suffix.looks;
       if (choice > 0) ++next.looks[static_cast<std::size_t>(choice - 1)];
-      if (!allowed(next.looks, root_.looks)) continue;
-      if (allowed(next.looks, looks_[first])) offer(next, first);
+      if (!within_budgets(next.looks)) continue;
+      if (feasible_after(looks_[first], first, next)) offer(next, first);
       if (trace_after(lowest_[first], next) >= value_ * (1.0 - kTie)) continue;
       if (longer.size() * (sizeof(Suffix) + 64) > SearchTree::kMaximumBytes) {
         throw std::length_error("the search keeps more than " + std::to_string(longer.size()) +
@@ -183,10 +184,21 @@ class SuffixSearch {
     }
   }
 
-  bool allowed(std::span<const std::uint16_t> a, std::span<const std::uint16_t> b) const {
-    for (std::size_t j = 0; j < a.size(); ++j) {
-      const int limit = tree_.problem().sensors[j].max_looks;
-      if (limit > 0 && a[j] + b[j] > limit) return false;
+  /// Of a suffix, whatever comes before it.
+  bool within_budgets(std::span<const std::uint16_t> looks) const {
+    const Problem& problem = tree_.problem();
+    for (int j = 1; j <= problem.sensor_count(); ++j) {
+      const auto place = static_cast<std::size_t>(j - 1);
+      if (root_.looks[place] + looks[place] > looks_by(problem, j, problem.horizon)) return false;
+    }
+    return true;
+  }
+
+  bool feasible_after(std::vector<std::uint16_t> looks, std::size_t first, const Suffix& suffix) const {
+    int step = depth_ + static_cast<int>(first);
+    for (const std::uint8_t choice : suffix.choices) {
+      if (!feasible(tree_.problem(), looks, ++step, choice)) return false;
+      if (choice > 0) ++looks[static_cast<std::size_t>(choice - 1)];
     }
     return true;
   }
@@ -211,6 +223,7 @@ class SuffixSearch {
 
   SearchTree& tree_;
   Node root_;
+  int depth_;
   int steps_;
   std::vector<std::vector<double>> lowest_;        // under all sensors, after each step
   std::vector<std::vector<double>> at_hand_;       // under the schedule at hand
@@ -222,10 +235,8 @@ class SuffixSearch {
 
 }  // namespace
 
-std::vector<int> best_schedule(const Problem& problem, Riccati& riccati, std::span<const double> covariance,
-                               std::span<const std::uint16_t> looks, int steps) {
-  SearchTree tree(problem, riccati);
-  const Level root = tree.root(covariance, looks);
+std::vector<int> best_schedule(SearchTree& tree, const Level& root, int steps) {
+  const Problem& problem = tree.problem();
   if (std::pow(problem.sensor_count() + (problem.allow_idle ? 1 : 0), steps) <= kSmallTree) {
     Everything everything;
     return best_of_tree(tree, root, steps, everything);
@@ -236,9 +247,11 @@ std::vector<int> best_schedule(const Problem& problem, Riccati& riccati, std::sp
 
 Solution optimum(const Problem& problem) {
   Riccati riccati(problem);
+  SearchTree tree(problem, riccati);
   const std::vector<double> initial = riccati.initial();
   const std::vector<std::uint16_t> no_looks(problem.sensors.size(), 0);
-  Solution solution = evaluate(problem, best_schedule(problem, riccati, initial, no_looks, problem.horizon));
+  const Level root = tree.root(initial, no_looks, 0);
+  Solution solution = evaluate(problem, best_schedule(tree, root, problem.horizon));
   solution.expanded = riccati.steps();
   return solution;
 }

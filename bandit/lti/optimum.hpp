@@ -7,7 +7,7 @@
 
 namespace dwell::lti {
 
-/// The best schedule of the problem's objective over the next `steps` steps from a covariance, with these looks taken.
+/// The best schedule of the problem's objective over the next `steps` steps from a root of the tree.
 ///
 /// Trees of at most kSmallTree leaves are enumerated; of schedules that tie (kTie) the first is returned. Larger ones:
 ///
@@ -29,8 +29,7 @@ namespace dwell::lti {
 ///
 /// Errors   std::length_error where even so too many schedules remain.
 /// Cost     exponential in `steps` at the worst.
-std::vector<int> best_schedule(const Problem& problem, Riccati& riccati, std::span<const double> covariance,
-                               std::span<const std::uint16_t> looks, int steps);
+std::vector<int> best_schedule(SearchTree& tree, const Level& root, int steps);
 
 inline constexpr double kSmallTree = 1000.0;
 inline constexpr std::size_t kGuideWidth = 32;

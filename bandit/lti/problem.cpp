@@ -75,6 +75,14 @@ void check_sensor(Check& check, const Problem& problem, std::size_t index) {
 
 }  // namespace
 
+int looks_by(const Problem& problem, int sensor, int step) {
+  const int limit = problem.sensors[static_cast<std::size_t>(sensor - 1)].max_looks;
+  if (limit == 0) return std::numeric_limits<int>::max();
+  if (!problem.spread) return limit;
+  const auto share = static_cast<long long>(step) * limit;
+  return static_cast<int>((share + problem.horizon - 1) / problem.horizon);
+}
+
 std::vector<Violation> validate(const Problem& problem) {
   Check check;
   const int n = problem.states();

@@ -50,10 +50,15 @@ struct Problem {
   CovarianceKind covariance = CovarianceKind::kPredicted;
   bool allow_idle = false;
   double communication_noise = 0.0;  ///< a, variance per component of a look; >= 0
+  bool spread = false;               ///< of max_looks, no more than ceil(k max_looks / N) by step k: see looks_by
 
   int states() const { return static_cast<int>(a.rows()); }
   int sensor_count() const { return static_cast<int>(sensors.size()); }
 };
+
+/// Looks that a sensor may have taken by step k = 1 .. N. Spread evenly, no sensor is ever more than a look ahead of its
+/// share of the horizon, and of sensors that last for all steps together one always has a look left.
+int looks_by(const Problem& problem, int sensor, int step);
 
 /// Everything that is wrong with the problem; empty: it can be solved. Sensors are counted from 1: "sensor[1].r".
 std::vector<Violation> validate(const Problem& problem);

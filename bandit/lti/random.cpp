@@ -19,9 +19,9 @@ int place_of(double u, const Eigen::VectorXd& weights) {
   return last;
 }
 
-int draw(const Problem& problem, const Eigen::VectorXd& q, std::span<const std::uint16_t> looks, double u) {
+int draw(const Problem& problem, const Eigen::VectorXd& q, std::span<const std::uint16_t> looks, int step, double u) {
   Eigen::VectorXd available = Eigen::VectorXd::Zero(q.size());
-  for (int i = 0; i < q.size(); ++i) available[i] = feasible(problem, looks, i + 1) ? 1.0 : 0.0;
+  for (int i = 0; i < q.size(); ++i) available[i] = feasible(problem, looks, step, i + 1) ? 1.0 : 0.0;
   if (available.sum() == 0.0) return 0;
   const Eigen::VectorXd weights = q.cwiseProduct(available);
   return 1 + place_of(u, weights.sum() > 0.0 ? weights : available);
@@ -36,7 +36,7 @@ Solution random_choice(const Problem& problem, const RandomSettings& settings, R
   std::vector<std::uint16_t> looks(problem.sensors.size(), 0);
   std::vector<int> schedule;
   for (int k = 0; k < problem.horizon; ++k) {
-    const int choice = draw(problem, probabilities.q, looks, stream.uniform());
+    const int choice = draw(problem, probabilities.q, looks, k + 1, stream.uniform());
     if (choice > 0) ++looks[static_cast<std::size_t>(choice - 1)];
     schedule.push_back(choice);
   }

@@ -33,11 +33,9 @@ double trace_weight(const Problem& problem) {
   return summed ? problem.sensor_count() : 1.0;
 }
 
-bool feasible(const Problem& problem, std::span<const std::uint16_t> looks, int choice) {
+bool feasible(const Problem& problem, std::span<const std::uint16_t> looks, int step, int choice) {
   if (choice == 0) return problem.allow_idle;
-  const auto j = static_cast<std::size_t>(choice - 1);
-  const int limit = problem.sensors[j].max_looks;
-  return limit == 0 || looks[j] < limit;
+  return looks[static_cast<std::size_t>(choice - 1)] < looks_by(problem, choice, step);
 }
 
 bool no_more_looks(const Problem& problem, std::span<const std::uint16_t> a, std::span<const std::uint16_t> b) {
@@ -52,7 +50,7 @@ SearchTree::SearchTree(const Problem& problem, Riccati& riccati, std::size_t max
 
 Level SearchTree::root() {
   const std::vector<double> covariance = riccati_.initial();
-  Level level(riccati_.size(), problem_.sensors.size());
+  Level level(riccati_.size(), problem_.sensors.size(), 0);
   const bool counts = problem_.objective == Objective::kSum && problem_.covariance == CovarianceKind::kPredicted;
   const double cost = counts ? trace_weight_ * riccati_.trace(covariance.data()) : 0.0;
   const std::vector<std::uint16_t> no_looks(problem_.sensors.size(), 0);
@@ -61,8 +59,8 @@ Level SearchTree::root() {
   return level;
 }
 
-Level SearchTree::root(std::span<const double> covariance, std::span<const std::uint16_t> looks) {
-  Level level(riccati_.size(), problem_.sensors.size());
+Level SearchTree::root(std::span<const double> covariance, std::span<const std::uint16_t> looks, int depth) {
+  Level level(riccati_.size(), problem_.sensors.size(), depth);
   links_.assign(1, {0, 0});
   level.add({covariance.data(), 0.0, looks, 0, 0, 0});
   return level;
@@ -75,13 +73,14 @@ double SearchTree::cost_after(double cost, int choice, const double* covariance)
 }
 
 Level SearchTree::grow(const Level& level, Pruning& pruning) {
-  Level children(riccati_.size(), problem_.sensors.size());
+  const int step = level.depth() + 1;
+  Level children(riccati_.size(), problem_.sensors.size(), step);
   std::vector<double> covariance(riccati_.size());
   std::vector<std::uint16_t> looks;
   for (std::size_t i = 0; i < level.size(); ++i) {
     const Node node = level[i];
     for (int choice = 0; choice <= problem_.sensor_count(); ++choice) {
-      if (!feasible(problem_, node.looks, choice)) continue;
+      if (!feasible(problem_, node.looks, step, choice)) continue;
       riccati_.step(node.covariance, choice, covariance.data());
       looks.assign(node.looks.begin(), node.looks.end());
       if (choice > 0) ++looks[static_cast<std::size_t>(choice - 1)];
@@ -100,7 +99,7 @@ Level SearchTree::grow(const Level& level, Pruning& pruning) {
   }
   std::vector<std::size_t> kept;
   pruning.select(level, children, kept);
-  Level next(riccati_.size(), problem_.sensors.size());
+  Level next(riccati_.size(), problem_.sensors.size(), step);
   for (const std::size_t place : kept) {
     Node child = children[place];
     DWELL_ASSERT(links_.size() < std::numeric_limits<std::uint32_t>::max());

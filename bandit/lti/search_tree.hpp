@@ -27,8 +27,11 @@ struct Node {
 /// Nodes of equal depth. As a tree grows them they are in the order of their schedules.
 class Level {
  public:
-  Level(std::size_t covariance_size, std::size_t sensors) : stride_(covariance_size), sensors_(sensors) {}
+  /// `depth`: steps of the problem that are taken.
+  Level(std::size_t covariance_size, std::size_t sensors, int depth)
+      : stride_(covariance_size), sensors_(sensors), depth_(depth) {}
 
+  int depth() const { return depth_; }
   std::size_t size() const { return heads_.size(); }
   Node operator[](std::size_t i) const;
   void add(const Node& node);
@@ -43,6 +46,7 @@ class Level {
   };
   std::size_t stride_;
   std::size_t sensors_;
+  int depth_;
   std::vector<Head> heads_;
   std::vector<double> covariances_;
   std::vector<std::uint16_t> looks_;
@@ -51,8 +55,9 @@ class Level {
 /// What tr P counts for in the objective: m; 1 where it is the final trace, or is summed over m blocks already.
 double trace_weight(const Problem& problem);
 
-/// Whether `choice` may follow: a sensor with looks left, or idle (0) where that is allowed.
-bool feasible(const Problem& problem, std::span<const std::uint16_t> looks, int choice);
+/// Whether `choice` may be taken in a step, from 1, after these looks: a sensor with looks left, or idle (0) where that
+/// is allowed.
+bool feasible(const Problem& problem, std::span<const std::uint16_t> looks, int step, int choice);
 
 /// Whether all that may follow `b` may follow `a`: of no limited sensor has it taken more looks.
 bool no_more_looks(const Problem& problem, std::span<const std::uint16_t> a, std::span<const std::uint16_t> b);
@@ -81,8 +86,8 @@ class SearchTree {
 
   /// The root at P[0].
   Level root();
-  /// A root elsewhere: a covariance, the looks already taken, nothing spent yet.
-  Level root(std::span<const double> covariance, std::span<const std::uint16_t> looks);
+  /// A root elsewhere: a covariance after `depth` steps, the looks already taken, nothing spent yet.
+  Level root(std::span<const double> covariance, std::span<const std::uint16_t> looks, int depth);
   /// The children of all nodes that the pruning lets stay.
   Level grow(const Level& level, Pruning& pruning);
   Level grow(Level level, int steps, Pruning& pruning);

@@ -8,12 +8,13 @@ namespace dwell::lti {
 
 Solution window(const Problem& problem, const WindowSettings& settings) {
   Riccati riccati(problem);
+  SearchTree tree(problem, riccati);
   std::vector<double> covariance = riccati.initial();
   std::vector<std::uint16_t> looks(problem.sensors.size(), 0);
   std::vector<int> schedule;
   for (int k = 0; k < problem.horizon; ++k) {
     const int steps = std::min(settings.d, problem.horizon - k);
-    const int choice = best_schedule(problem, riccati, covariance, looks, steps).front();
+    const int choice = best_schedule(tree, tree.root(covariance, looks, k), steps).front();
     riccati.step(covariance.data(), choice, covariance.data());
     if (choice > 0) ++looks[static_cast<std::size_t>(choice - 1)];
     schedule.push_back(choice);
@@ -22,7 +23,5 @@ Solution window(const Problem& problem, const WindowSettings& settings) {
   solution.expanded = riccati.steps();
   return solution;
 }
-
-Solution myopic(const Problem& problem) { return window(problem, {1}); }
 
 }  // namespace dwell::lti

@@ -78,7 +78,7 @@ TEST(HmmBelief, AveragesToThePrediction) {
 TEST(HmmSelection, TheOneStepRuleDoesNotInvest) {
   const Problem problem = sight_and_blind(0.6);
   const RandomStream stream(61);
-  EXPECT_NEAR(solve(problem, OneStepSettings{}, 2, stream).cost, 1.5, 1e-14);
+  EXPECT_NEAR(solve(problem, WindowSettings{}, 2, stream).cost, 1.5, 1e-14);
   const Solution best = solve(problem, OptimumSettings{}, 2, stream);
   EXPECT_NEAR(best.cost, 0.6, 1e-14);
   EXPECT_EQ(best.first, 1);
@@ -91,7 +91,7 @@ TEST(HmmSelection, TheOneStepRuleDoesNotInvest) {
 TEST(HmmSelection, TiesGoToTheFirstSensor) {
   Problem problem = sight_and_blind(0.0);
   problem.sensors[1] = problem.sensors[0];
-  EXPECT_EQ(solve(problem, OneStepSettings{}, 2, RandomStream(62)).first, 1);
+  EXPECT_EQ(solve(problem, WindowSettings{}, 2, RandomStream(62)).first, 1);
   EXPECT_EQ(solve(problem, OptimumSettings{}, 2, RandomStream(62)).first, 1);
 }
 
@@ -101,11 +101,11 @@ TEST(HmmSelection, TheOptimumIsBelowAllAndEqualAtOneStep) {
     Problem problem = random_problem(3, 3, 4, stream);
     const double best = solve(problem, OptimumSettings{}, 2, stream).cost;
     for (const PolicySettings& settings :
-         {PolicySettings{OneStepSettings{}}, PolicySettings{RoundRobinSettings{}}, PolicySettings{FixedSettings{2}}}) {
+         {PolicySettings{WindowSettings{}}, PolicySettings{RoundRobinSettings{}}, PolicySettings{FixedSettings{2}}}) {
       EXPECT_LE(best, solve(problem, settings, 2, stream).cost * (1.0 + 1e-12));
     }
     problem.horizon = 1;
-    const Solution one = solve(problem, OneStepSettings{}, 2, stream);
+    const Solution one = solve(problem, WindowSettings{}, 2, stream);
     const Solution whole = solve(problem, OptimumSettings{}, 2, stream);
     EXPECT_EQ(one.first, whole.first);
     EXPECT_NEAR(one.cost, whole.cost, 1e-14);
@@ -144,10 +144,10 @@ TEST(HmmSelection, TheOptimumOfTwoStepsIsTheBestPlan) {
 TEST(HmmSelection, RunsAgreeWithTheTree) {
   RandomStream stream(65);
   Problem problem = random_problem(3, 2, 10, stream);
-  const Solution exact = solve(problem, OneStepSettings{}, 2, stream);
+  const Solution exact = solve(problem, WindowSettings{}, 2, stream);
   EXPECT_EQ(exact.standard_error, 0.0);
   problem.horizon = 40;  // too large for a tree
-  const Solution sampled = solve(problem, OneStepSettings{}, 4000, stream);
+  const Solution sampled = solve(problem, WindowSettings{}, 4000, stream);
   EXPECT_GT(sampled.standard_error, 0.0);
   EXPECT_LT(sampled.standard_error, 0.01 * sampled.cost);
   // The chain forgets in a few steps: ten steps cost a quarter of forty, to what start and end make of it.

@@ -37,7 +37,7 @@ double per_step(const Problem& problem, const Solution& solution) {
 TEST(MyopicLoses, SpendsAGoodSensorsBudgetAtOnce) {
   Problem problem = walks(scalar(1.0), scalar(1.0));
   problem.sensors = {{scalar(1.0), scalar(0.1), 0.0, 10}, {scalar(1.0), scalar(50.0)}};
-  const Solution greedy = myopic(problem);
+  const Solution greedy = window(problem, {});
   EXPECT_TRUE(std::all_of(greedy.schedule.begin(), greedy.schedule.begin() + 10, [](int u) { return u == 1; }));
   EXPECT_NEAR(per_step(problem, greedy), 5.0462, kPrinted);
   std::vector<int> spread(kSteps, 2);
@@ -49,7 +49,7 @@ TEST(MyopicLoses, NeverLooksWhereALookCostsMoreThanItGainsAtOnce) {
   Problem problem = walks(scalar(0.95), scalar(0.25));
   problem.sensors = {{scalar(1.0), scalar(0.1), 2.2}};
   problem.allow_idle = true;
-  EXPECT_NEAR(per_step(problem, myopic(problem)), 1.6876, kPrinted);
+  EXPECT_NEAR(per_step(problem, window(problem, {})), 1.6876, kPrinted);
   const Solution six = window(problem, {6});
   EXPECT_NEAR(per_step(problem, six), 0.9690, kPrinted);
   const Solution best = optimum(problem);
@@ -62,7 +62,7 @@ TEST(MyopicLoses, LeavesTheSlowWalksAlone) {
   std::vector<int> in_turn;
   for (int j = 0; j < 3; ++j) problem.sensors.push_back({Eigen::RowVector3d::Unit(j), scalar(noise[j])});
   for (int k = 0; k < kSteps; ++k) in_turn.push_back(1 + k % 3);
-  EXPECT_NEAR(per_step(problem, myopic(problem)), 2.5755, kPrinted);
+  EXPECT_NEAR(per_step(problem, window(problem, {})), 2.5755, kPrinted);
   EXPECT_NEAR(per_step(problem, evaluate(problem, in_turn)), 2.3395, kPrinted);
   // An index rule reaches 2.0135; a wide beam at least that.
   EXPECT_LE(per_step(problem, beam(problem, {1000})), 2.0135 + kPrinted);

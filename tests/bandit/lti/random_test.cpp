@@ -97,7 +97,9 @@ TEST(OptimalProbabilities, AreNotWorseThanAGridOnTheSimplex) {
     for (int i = 0; i <= kGrid; ++i) {
       for (int j = 0; i + j <= kGrid; ++j) {
         const auto at = averaged.fixed_point(Eigen::Vector3d(i, j, kGrid - i - j) / kGrid);
-        if (at) EXPECT_GE(at->trace, *best.bound * (1.0 - 1e-9)) << run;
+        if (at) {
+          EXPECT_GE(at->trace, *best.bound * (1.0 - 1e-9)) << run;
+        }
       }
     }
   }

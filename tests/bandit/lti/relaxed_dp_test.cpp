@@ -109,8 +109,12 @@ TEST(LoewnerCover, IsThatOfAGridOfMixtures) {
     // The least between two points of the grid may be lower by a step of it times the largest member.
     const double step = (x[0].norm() + x[1].norm() + x[2].norm()) / u.trace() / kGrid;
     const bool covers = cover.covers(std::span(u.data(), 9), 1e-9);
-    if (least <= 0.0) EXPECT_TRUE(covers) << run;
-    if (least > step) EXPECT_FALSE(covers) << run;
+    if (least <= 0.0) {
+      EXPECT_TRUE(covers) << run;
+    }
+    if (least > step) {
+      EXPECT_FALSE(covers) << run;
+    }
     covered += covers ? 1 : 0;
   }
   EXPECT_GT(covered, scaled(200) / 10);

@@ -68,22 +68,15 @@ TEST_F(Systems, ABeamThatKeepsAllIsTheOptimumAndNoneIsWorseThanMyopic) {
     const Problem problem = random_variant(stream_);
     const double least = optimum(problem).cost;
     EXPECT_NEAR(beam(problem, {100'000}).cost, least, 1e-12 * least);
-    const double greedy = myopic(problem).cost;
+    const double greedy = window(problem, {}).cost;
     for (const int width : {1, 2, 5}) EXPECT_LE(beam(problem, {width}).cost, greedy * (1.0 + 1e-12));
-  }
-}
-
-TEST_F(Systems, MyopicIsAWindowOfOne) {
-  for (int run = 0; run < scaled(30); ++run) {
-    const Problem problem = random_variant(stream_);
-    EXPECT_EQ(myopic(problem).schedule, window(problem, {1}).schedule);
   }
 }
 
 std::vector<PolicySettings> every_policy() {
   // A new policy is a new row here as well.
   static_assert(std::variant_size_v<PolicySettings> == 8);
-  return {MyopicSettings{},  FixedSettings{1},
+  return {RoundRobinSettings{}, FixedSettings{1},
           RandomSettings{},  RandomSettings{RandomSettings::Probabilities::kUniform},
           WindowSettings{3}, ThresholdSettings{1.01},
           BeamSettings{10},  RelaxedDpSettings{1.1},
@@ -115,7 +108,7 @@ void expect_feasible(const Problem& problem, const std::vector<int>& schedule) {
 TEST_P(EveryLtiPolicy, GivesAFeasibleScheduleAndItsTrueCost) {
   for (int run = 0; run < scaled(40); ++run) {
     const Problem problem = random_variant(stream_);
-    const Solution solution = solve(problem, GetParam(), stream_);
+    const Solution solution = solve(problem, {GetParam()}, stream_);
     expect_feasible(problem, solution.schedule);
     const Cost cost = textbook_cost(problem, solution.schedule);
     EXPECT_NEAR(solution.cost, cost.objective, kRounding * cost.objective);
@@ -126,7 +119,7 @@ TEST_P(EveryLtiPolicy, GivesAFeasibleScheduleAndItsTrueCost) {
 
 TEST_P(EveryLtiPolicy, GivesTheSameTwice) {
   const Problem problem = random_variant(stream_);
-  EXPECT_EQ(solve(problem, GetParam(), stream_).schedule, solve(problem, GetParam(), stream_).schedule);
+  EXPECT_EQ(solve(problem, {GetParam()}, stream_).schedule, solve(problem, {GetParam()}, stream_).schedule);
 }
 
 TEST_P(EveryLtiPolicy, SolvesEightUnstableStatesAndSixSensors) {
@@ -134,7 +127,7 @@ TEST_P(EveryLtiPolicy, SolvesEightUnstableStatesAndSixSensors) {
   problem.a *= 1.3;
   problem.w.setZero();
   problem.w(2, 2) = 1.0;
-  const Solution solution = solve(problem, GetParam(), stream_);
+  const Solution solution = solve(problem, {GetParam()}, stream_);
   expect_feasible(problem, solution.schedule);
   const Cost cost = textbook_cost(problem, solution.schedule);
   EXPECT_NEAR(solution.cost, cost.objective, kRounding * cost.objective);
@@ -143,14 +136,14 @@ TEST_P(EveryLtiPolicy, SolvesEightUnstableStatesAndSixSensors) {
 TEST_P(EveryLtiPolicy, SpendsBudgetsThatJustLast) {
   Problem problem = random_problem({2, 3, 9}, stream_);
   for (Sensor& sensor : problem.sensors) sensor.max_looks = 3;
-  expect_feasible(problem, solve(problem, GetParam(), stream_).schedule);
+  expect_feasible(problem, solve(problem, {GetParam()}, stream_).schedule);
 }
 
 TEST_P(EveryLtiPolicy, AlwaysIdlesWhereAllLooksAreSpent) {
   Problem problem = random_problem({2, 1, 9}, stream_);
   problem.allow_idle = true;
   problem.sensors[0].max_looks = 2;
-  const std::vector<int> schedule = solve(problem, GetParam(), stream_).schedule;
+  const std::vector<int> schedule = solve(problem, {GetParam()}, stream_).schedule;
   expect_feasible(problem, schedule);
   EXPECT_GE(std::count(schedule.begin(), schedule.end(), 0), 7);
 }
@@ -161,7 +154,7 @@ TEST(LtiTies, GoToTheFirstSensor) {
   problem.objective = Objective::kSum;
   problem.sensors[1] = problem.sensors[0];
   const std::vector<int> first(11, 1);
-  EXPECT_EQ(myopic(problem).schedule, first);
+  EXPECT_EQ(window(problem, {}).schedule, first);
   EXPECT_EQ(window(problem, {3}).schedule, first);
   EXPECT_EQ(threshold(problem, {1.0}).schedule, first);
   EXPECT_EQ(beam(problem, {3}).schedule, first);
