@@ -56,8 +56,8 @@ struct Problem {
   int sensor_count() const { return static_cast<int>(sensors.size()); }
 };
 
-/// Looks that a sensor may have taken by step k = 1 .. N. Spread evenly, no sensor is ever more than a look ahead of its
-/// share of the horizon, and of sensors that last for all steps together one always has a look left.
+/// Looks that a sensor may have taken by step k = 1 .. N. Spread evenly, no sensor is ever more than a look ahead of
+/// its share of the horizon, and of sensors that last for all steps together one always has a look left.
 int looks_by(const Problem& problem, int sensor, int step);
 
 /// Everything that is wrong with the problem; empty: it can be solved. Sensors are counted from 1: "sensor[1].r".

@@ -77,9 +77,9 @@ std::vector<PolicySettings> every_policy() {
   // A new policy is a new row here as well.
   static_assert(std::variant_size_v<PolicySettings> == 8);
   return {RoundRobinSettings{}, FixedSettings{1},
-          RandomSettings{},  RandomSettings{RandomSettings::Probabilities::kUniform},
-          WindowSettings{3}, ThresholdSettings{1.01},
-          BeamSettings{10},  RelaxedDpSettings{1.1},
+          RandomSettings{},     RandomSettings{RandomSettings::Probabilities::kUniform},
+          WindowSettings{3},    ThresholdSettings{1.01},
+          BeamSettings{10},     RelaxedDpSettings{1.1},
           OptimumSettings{}};
 }
 
