@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "bandit/hmm_selection/belief.hpp"
+#include "radar/assert.hpp"
 
 namespace dwell::hmm_selection {
 namespace {
@@ -106,7 +107,19 @@ double beliefs_of_tree(const Problem& problem, const PolicySettings& settings) {
   return std::pow(most, problem.horizon) * beliefs_a_decision(problem, settings);
 }
 
-Solution sampled(const Problem& problem, const PolicySettings& settings, int runs, RandomStream stream) {
+}  // namespace
+
+std::vector<Violation> validate(const PolicySettings& settings, const Problem& problem) {
+  if (const auto* fixed = std::get_if<FixedSettings>(&settings)) {
+    if (fixed->sensor >= 1 && fixed->sensor <= problem.sensor_count()) return {};
+    return {{"sensor", std::to_string(fixed->sensor), "must be from 1 to " + std::to_string(problem.sensor_count())}};
+  }
+  const auto* window = std::get_if<WindowSettings>(&settings);
+  if (window == nullptr || window->d >= 1) return {};
+  return {{"d", std::to_string(window->d), "must be >= 1"}};
+}
+
+Solution sample(const Problem& problem, const PolicySettings& settings, int runs, RandomStream stream) {
   Solution solution;
   solution.looks.assign(problem.sensors.size(), 0.0);
   double squares = 0.0;
@@ -115,6 +128,7 @@ Solution sampled(const Problem& problem, const PolicySettings& settings, int run
     double cost = 0.0;
     for (int step = 0; step < problem.horizon; ++step) {
       const int choice = std::visit(Choose{problem, belief, step, solution.expanded}, settings);
+      DWELL_ASSERT(choice >= 0);
       if (step == 0) solution.first = choice + 1;
       solution.looks[static_cast<std::size_t>(choice)] += 1.0 / runs;
       const std::vector<Outcome> possible = outcomes(problem, belief, choice);
@@ -133,18 +147,6 @@ Solution sampled(const Problem& problem, const PolicySettings& settings, int run
   return solution;
 }
 
-}  // namespace
-
-std::vector<Violation> validate(const PolicySettings& settings, const Problem& problem) {
-  if (const auto* fixed = std::get_if<FixedSettings>(&settings)) {
-    if (fixed->sensor >= 1 && fixed->sensor <= problem.sensor_count()) return {};
-    return {{"sensor", std::to_string(fixed->sensor), "must be from 1 to " + std::to_string(problem.sensor_count())}};
-  }
-  const auto* window = std::get_if<WindowSettings>(&settings);
-  if (window == nullptr || window->d >= 1) return {};
-  return {{"d", std::to_string(window->d), "must be >= 1"}};
-}
-
 Solution solve(const Problem& problem, const PolicySettings& settings, int runs, RandomStream stream) {
   if (beliefs_of_tree(problem, settings) <= kMaximumBeliefs) {
     Tree tree(problem, settings);
@@ -158,7 +160,7 @@ Solution solve(const Problem& problem, const PolicySettings& settings, int runs,
   if (beliefs > kMaximumSampledBeliefs) {
     throw std::length_error("the runs would look at more than 1e9 beliefs: take fewer, or a shorter window");
   }
-  return sampled(problem, settings, runs, std::move(stream));
+  return sample(problem, settings, runs, std::move(stream));
 }
 
 }  // namespace dwell::hmm_selection

@@ -40,10 +40,13 @@ struct Solution {
   std::uint64_t expanded = 0;   ///< beliefs in the tree or the runs
 };
 
+/// The expected cost of a policy by the mean of `runs` >= 2 runs that draw what is seen from `stream`: common numbers,
+/// one uniform draw a step. Not of `optimum`.
+Solution sample(const Problem& problem, const PolicySettings& settings, int runs, RandomStream stream);
+
 /// The expected cost of a policy: exact over the tree of what may be seen while that has at most kMaximumBeliefs, else
-/// the mean of `runs` >= 2 runs that draw what is seen from `stream` (common numbers: one uniform draw a step).
-/// Requires both to be valid. With s symbols of all sensors together, t of the one with the most, the tree of `optimum`
-/// has s^N beliefs, that of any other policy t^N, with s^d for each where it is a window.
+/// by `sample`. Requires both to be valid. With s symbols of all sensors together, t of the one with the most, the tree
+/// of `optimum` has s^N beliefs, that of any other policy t^N, with s^d for each where it is a window.
 /// Errors   std::length_error where even that is too many.
 Solution solve(const Problem& problem, const PolicySettings& settings, int runs, RandomStream stream);
 

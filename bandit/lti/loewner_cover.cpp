@@ -1,8 +1,10 @@
 #include "bandit/lti/loewner_cover.hpp"
 
+#include <algorithm>
 #include <numeric>
 
 #include <ClpSimplex.hpp>
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
 namespace dwell::lti {
@@ -11,7 +13,7 @@ namespace {
 /// min t: columns lambda_1 .. lambda_K and t; a row for the simplex and one for each cut.
 class CutProgram {
  public:
-  explicit CutProgram(std::size_t members) : columns_(members + 1) {
+  explicit CutProgram(Eigen::Index members) : columns_(static_cast<std::size_t>(members) + 1) {
     std::iota(columns_.begin(), columns_.end(), 0);
     const int t = columns_.back();
     model_.setLogLevel(0);
@@ -20,14 +22,15 @@ class CutProgram {
     model_.resize(0, t + 1);
     model_.setColumnBounds(t, -COIN_DBL_MAX, COIN_DBL_MAX);
     model_.setObjectiveCoefficient(t, 1.0);
-    const std::vector<double> ones(members, 1.0);
+    const std::vector<double> ones(static_cast<std::size_t>(members), 1.0);
     model_.addRow(t, columns_.data(), ones.data(), 1.0, 1.0);
   }
 
   /// sum_k lambda_k values[k] - t <= limit.
-  void add(std::vector<double> values, double limit) {
-    values.push_back(-1.0);
-    model_.addRow(static_cast<int>(values.size()), columns_.data(), values.data(), -COIN_DBL_MAX, limit);
+  void add(const Eigen::VectorXd& values, double limit) {
+    Eigen::VectorXd row(values.size() + 1);
+    row << values, -1.0;
+    model_.addRow(static_cast<int>(row.size()), columns_.data(), row.data(), -COIN_DBL_MAX, limit);
   }
 
   bool solve() {
@@ -51,14 +54,15 @@ class CutProgram {
 }  // namespace
 
 LoewnerCover::LoewnerCover(std::vector<int> block_sizes) : sizes_(std::move(block_sizes)) {
-  std::size_t offset = 0;
   for (const int n : sizes_) {
-    offsets_.push_back(offset);
-    offset += static_cast<std::size_t>(n * n);
+    offsets_.push_back(size_);
+    size_ += n * n;
   }
 }
 
-void LoewnerCover::add(std::span<const double> member) { members_.emplace_back(member.begin(), member.end()); }
+void LoewnerCover::add(std::span<const double> member) {
+  members_.insert(members_.end(), member.begin(), member.end());
+}
 
 Eigen::Map<const Eigen::MatrixXd> LoewnerCover::block(std::span<const double> covariance, std::size_t b) const {
   return {covariance.data() + offsets_[b], sizes_[b], sizes_[b]};
@@ -69,17 +73,16 @@ double LoewnerCover::scale(std::span<const double> candidate, std::size_t b) con
   return trace > 0.0 ? 1.0 / trace : 1.0;
 }
 
-double LoewnerCover::Cut::of(const LoewnerCover& cover, std::span<const double> covariance) const {
-  return scale * v.dot(cover.block(covariance, block) * v);
+LoewnerCover::Cut LoewnerCover::cut(std::span<const double> candidate, std::size_t b, const Eigen::VectorXd& v) const {
+  const Eigen::MatrixXd weights = scale(candidate, b) * v * v.transpose();
+  return {offsets_[b], weights.reshaped()};
 }
 
 /// The first cuts: the diagonal entries.
 std::vector<LoewnerCover::Cut> LoewnerCover::axes(std::span<const double> candidate) const {
   std::vector<Cut> cuts;
   for (std::size_t b = 0; b < sizes_.size(); ++b) {
-    for (int i = 0; i < sizes_[b]; ++i) {
-      cuts.push_back({b, Eigen::VectorXd::Unit(sizes_[b], i), scale(candidate, b)});
-    }
+    for (int i = 0; i < sizes_[b]; ++i) cuts.push_back(cut(candidate, b, Eigen::VectorXd::Unit(sizes_[b], i)));
   }
   return cuts;
 }
@@ -87,35 +90,55 @@ std::vector<LoewnerCover::Cut> LoewnerCover::axes(std::span<const double> candid
 /// Of every block where the mixture is not below the candidate, the direction where it is most above.
 std::vector<LoewnerCover::Cut> LoewnerCover::violated(std::span<const double> candidate, const Eigen::VectorXd& lambda,
                                                       double tolerance) const {
+  const Eigen::Map<const Eigen::MatrixXd> members(members_.data(), size_, lambda.size());
+  const Eigen::VectorXd mixture = members * lambda;
   std::vector<Cut> cuts;
   for (std::size_t b = 0; b < sizes_.size(); ++b) {
-    Eigen::MatrixXd excess = -block(candidate, b);
-    for (std::size_t k = 0; k < members_.size(); ++k) {
-      const double share = lambda[static_cast<Eigen::Index>(k)];
-      if (share > 0.0) excess += share * block(members_[k], b);
-    }
+    const Eigen::MatrixXd excess = block({mixture.data(), candidate.size()}, b) - block(candidate, b);
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(excess);
     const Eigen::Index top = excess.rows() - 1;
     if (!(scale(candidate, b) * solver.eigenvalues()[top] <= tolerance)) {
-      cuts.push_back({b, solver.eigenvectors().col(top), scale(candidate, b)});
+      cuts.push_back(cut(candidate, b, solver.eigenvectors().col(top)));
     }
   }
   return cuts;
 }
 
-bool LoewnerCover::covers(std::span<const double> candidate, double tolerance) const {
-  if (members_.empty()) return false;
-  const auto count = static_cast<Eigen::Index>(members_.size());
-  for (Eigen::Index k = 0; k < count; ++k) {
-    if (violated(candidate, Eigen::VectorXd::Unit(count, k), tolerance).empty()) return true;
+/// Whether one member alone is below the candidate, in every block.
+bool LoewnerCover::below(Eigen::Index member, std::span<const double> candidate, double tolerance) const {
+  const std::span<const double> x(members_.data() + member * size_, candidate.size());
+  for (std::size_t b = 0; b < sizes_.size(); ++b) {
+    const double slack = tolerance * block(candidate, b).trace();
+    if (((block(x, b) - block(candidate, b)).diagonal().array() > slack).any()) return false;
   }
-  CutProgram program(members_.size());
+  for (std::size_t b = 0; b < sizes_.size(); ++b) {
+    const double slack = tolerance * block(candidate, b).trace();
+    if (slack == 0.0) continue;  // both are zero
+    Matrix gap = block(candidate, b) - block(x, b);
+    gap.diagonal().array() += slack;
+    if (Eigen::LLT<Eigen::Ref<Matrix>>(gap).info() != Eigen::Success) return false;
+  }
+  return true;
+}
+
+bool LoewnerCover::covers(std::span<const double> candidate, double tolerance) const {
+  const Eigen::Index count = static_cast<Eigen::Index>(members_.size()) / size_;
+  for (Eigen::Index k = 0; k < count; ++k) {
+    if (below(k, candidate, tolerance)) return true;
+  }
+  return count > 1 && mixture_covers(candidate, tolerance);
+}
+
+bool LoewnerCover::mixture_covers(std::span<const double> candidate, double tolerance) const {
+  const Eigen::Index count = std::min(kMixed, static_cast<Eigen::Index>(members_.size()) / size_);
+  const Eigen::Map<const Eigen::MatrixXd> members(members_.data(), size_, count);
+  const Eigen::Map<const Eigen::VectorXd> u(candidate.data(), size_);
+  CutProgram program(count);
   std::vector<Cut> cuts = axes(candidate);
   for (int round = 0; round < kRounds && !cuts.empty(); ++round) {
     for (const Cut& cut : cuts) {
-      std::vector<double> values;
-      for (const std::vector<double>& member : members_) values.push_back(cut.of(*this, member));
-      program.add(std::move(values), cut.of(*this, candidate));
+      const auto rows = members.middleRows(cut.offset, cut.weights.size());
+      program.add(rows.transpose() * cut.weights, cut.weights.dot(u.segment(cut.offset, cut.weights.size())));
     }
     if (!program.solve() || program.t() > tolerance) return false;
     cuts = violated(candidate, program.lambda(), tolerance);

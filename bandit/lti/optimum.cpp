@@ -17,7 +17,9 @@ namespace {
 // A bound must exceed the schedule at hand by more than the rounding of either, relative.
 constexpr double kRounding = 1e-10;
 // Nodes of a level that one is compared with in the Loewner order: more find a few more, and cost their square.
-constexpr std::size_t kRivals = 2000;
+constexpr std::size_t kRivals = 200;
+// Nodes of a level: each of their children meets its rivals, in seconds a level.
+constexpr std::size_t kMaximumNodes = 100'000;
 
 class Everything final : public Pruning {
  public:
@@ -54,6 +56,11 @@ class BoundPruning final : public Pruning {
       const bool beaten = std::any_of(kept.begin(), kept.begin() + static_cast<std::ptrdiff_t>(rivals),
                                       [&](std::size_t rival) { return dominates(children, rival, i); });
       if (!beaten) kept.push_back(i);
+      if (kept.size() > kMaximumNodes) {
+        throw std::length_error(
+            "the search keeps more than 100 thousand schedules in one step: take a shorter horizon "
+            "or window, beam or relaxed_dp");
+      }
     }
     std::sort(kept.begin(), kept.end());
     bounds_.clear();
@@ -123,7 +130,9 @@ std::vector<int> best_of_sum(SearchTree& tree, const Level& root, int steps) {
   BoundPruning guided(tree, sharing, steps, kNothing, kGuideWidth);
   const Level at_hand = tree.grow(root, steps, guided);
   BoundPruning exact(tree, sharing, steps, at_hand[cheapest(at_hand)].cost, std::numeric_limits<std::size_t>::max());
-  return best_of_tree(tree, root, steps, exact);
+  const Level last = tree.grow(root, steps, exact);
+  // None left: rounding of a bound has dropped the schedule at hand, and with it all that cost less by no more.
+  return last.size() > 0 ? tree.schedule(last[cheapest(last)]) : tree.schedule(at_hand[cheapest(at_hand)]);
 }
 
 /// The end of a schedule, in the order of its steps.
@@ -176,6 +185,7 @@ class SuffixSearch {
       if (!within_budgets(next.looks)) continue;
       if (feasible_after(looks_[first], first, next)) offer(next, first);
       if (trace_after(lowest_[first], next) >= value_ * (1.0 - kTie)) continue;
+      tree_.check_steps();
       if (longer.size() * (sizeof(Suffix) + 64) > SearchTree::kMaximumBytes) {
         throw std::length_error("the search keeps more than " + std::to_string(longer.size()) +
                                 " ends of schedules: take beam or relaxed_dp");

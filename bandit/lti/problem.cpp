@@ -41,7 +41,10 @@ class Check {
     if (!matrix(field, m, size, size) || size == 0) return;
     const double scale = m.cwiseAbs().maxCoeff();
     const double asymmetry = (m - m.transpose()).cwiseAbs().maxCoeff();
-    that(asymmetry <= kTyped * scale, field, "", "must be symmetric, but entries differ by " + text(asymmetry));
+    if (asymmetry > kTyped * scale) {
+      that(false, field, "", "must be symmetric, but entries differ by " + text(asymmetry));
+      return;
+    }
     const Eigen::MatrixXd symmetric = 0.5 * (m + m.transpose());
     if (definite) {
       const Eigen::LLT<Eigen::MatrixXd> root(symmetric);

@@ -8,6 +8,8 @@ struct RelaxedDpSettings {
   double alpha = 1.01;  ///< >= 1
 };
 
+inline constexpr std::size_t kMaximumSet = 1000;  // whose children are compared in seconds
+
 /// Relaxed dynamic programming on the final trace: within alpha^2 of the least tr P[N], whatever the problem's
 /// objective. (It is the final trace that the guarantee is for.)
 ///
@@ -21,6 +23,10 @@ struct RelaxedDpSettings {
 /// and its true trace at most alpha times that. A candidate is covered only by what has used no more looks of any
 /// limited sensor, so that whatever may follow the one may follow the other.
 ///
+/// Where more than kMaximumSet covariances are kept in a step (many states and sensors, alpha near one) the exact
+/// search for the final trace takes over, which is well within alpha^2; `set_sizes` then ends with that step.
+///
+/// Errors   std::length_error where that search too keeps too many schedules: take a larger alpha.
 /// Source  Alriksson, Rantzer (2005), procedures 1 and 2, in the reading that keeps the guarantee: the overbars of the
 ///         text are lost; see README.md.
 Solution relaxed_dp(const Problem& problem, const RelaxedDpSettings& settings);

@@ -72,6 +72,14 @@ double SearchTree::cost_after(double cost, int choice, const double* covariance)
   return cost + now + (choice == 0 ? 0.0 : problem_.sensors[static_cast<std::size_t>(choice - 1)].cost);
 }
 
+void SearchTree::check_steps() const {
+  if (riccati_.steps() > kMaximumSteps) {
+    throw std::length_error(
+        "the search takes more than 100 million Riccati steps: take a shorter horizon or window, "
+        "beam or relaxed_dp");
+  }
+}
+
 Level SearchTree::grow(const Level& level, Pruning& pruning) {
   const int step = level.depth() + 1;
   Level children(riccati_.size(), problem_.sensors.size(), step);
@@ -92,9 +100,11 @@ Level SearchTree::grow(const Level& level, Pruning& pruning) {
                        0};
       if (pruning.admits(child)) children.add(child);
     }
+    check_steps();
     if (children.bytes() > maximum_bytes_) {
-      throw std::length_error("more than " + std::to_string(children.size()) +
-                              " schedules in one step of the search: prune more, or take beam or relaxed_dp");
+      throw std::length_error(
+          "more than " + std::to_string(children.size()) +
+          " schedules in one step of the search: take a shorter horizon or window, beam or relaxed_dp");
     }
   }
   std::vector<std::size_t> kept;

@@ -75,11 +75,13 @@ class Pruning {
 /// The tree of all schedules, grown level by level: sensors in their order, each while it has looks left, idle first
 /// where it is allowed. All searches of this folder are this tree under one pruning or another.
 ///
-/// Errors   std::length_error where a level would take more than its bytes: prune more.
+/// Errors   std::length_error where a level would take more than its bytes, or the whole search more than its Riccati
+///          steps (minutes of them): prune more.
 /// Source   Chung et al. (2004), III-A.
 class SearchTree {
  public:
-  static constexpr std::size_t kMaximumBytes = std::size_t{1} << 30;
+  static constexpr std::size_t kMaximumBytes = std::size_t{1} << 28;
+  static constexpr std::uint64_t kMaximumSteps = 100'000'000;
 
   /// Both outlive the tree.
   SearchTree(const Problem& problem, Riccati& riccati, std::size_t maximum_bytes = kMaximumBytes);
@@ -88,6 +90,8 @@ class SearchTree {
   Level root();
   /// A root elsewhere: a covariance after `depth` steps, the looks already taken, nothing spent yet.
   Level root(std::span<const double> covariance, std::span<const std::uint16_t> looks, int depth);
+  /// Where the search has grown too large.
+  void check_steps() const;
   /// The children of all nodes that the pruning lets stay.
   Level grow(const Level& level, Pruning& pruning);
   Level grow(Level level, int steps, Pruning& pruning);

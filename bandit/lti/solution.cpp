@@ -18,9 +18,10 @@ Solution evaluate(const Problem& problem, std::vector<int> schedule) {
   for (const int choice : schedule) {
     riccati.step(covariance.data(), choice, covariance.data());
     solution.cost = tree.cost_after(solution.cost, choice, covariance.data());
+    solution.traces.push_back(riccati.trace(covariance.data()));
   }
   solution.schedule = std::move(schedule);
-  solution.final_trace = riccati.trace(covariance.data());
+  solution.final_trace = solution.traces.back();
   if (!std::isfinite(solution.cost) || !std::isfinite(solution.final_trace)) {
     throw std::overflow_error("the covariance is more than a double holds before the horizon is reached");
   }

@@ -14,6 +14,7 @@ struct Solution {
   std::vector<int> schedule;          ///< N entries: 1 .. m, 0: idle
   double cost = 0.0;                  ///< the problem's objective
   double final_trace = 0.0;           ///< tr P[N]
+  std::vector<double> traces;         ///< tr P[k], k = 1 .. N; with communication noise summed over nodes
   std::uint64_t expanded = 0;         ///< Riccati steps of single n x n covariances that the policy took
   std::vector<double> probabilities;  ///< `random`: of each sensor
   std::optional<double> bound;        ///< `random`: of what a steady step costs in the mean; absent where there is none

@@ -80,6 +80,19 @@ TEST(LtiProblem, BudgetsMustLastWhereIdleIsNotAllowed) {
   EXPECT_THAT(validate(problem), IsEmpty());
 }
 
+// Ten looks in sixty steps: one more every six, the first at once.
+TEST(LtiProblem, LooksOfASpreadBudget) {
+  Problem problem = gupta(60);
+  problem.sensors[1].max_looks = 10;
+  EXPECT_EQ(looks_by(problem, 1, 60), std::numeric_limits<int>::max());
+  EXPECT_EQ(looks_by(problem, 2, 1), 10);
+  problem.spread = true;
+  EXPECT_EQ(looks_by(problem, 1, 1), std::numeric_limits<int>::max());
+  for (const auto& [step, looks] : {std::pair(1, 1), {6, 1}, {7, 2}, {12, 2}, {13, 3}, {54, 9}, {55, 10}, {60, 10}}) {
+    EXPECT_EQ(looks_by(problem, 2, step), looks) << step;
+  }
+}
+
 TEST(LtiProblem, TheFinalTraceKnowsNoCostOfLooks) {
   Problem problem = alriksson(10.0, 14);
   problem.sensors[0].cost = 1.0;

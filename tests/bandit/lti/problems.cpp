@@ -104,6 +104,7 @@ Problem random_variant(RandomStream& stream) {
     if (sometimes()) sensor.max_looks = whole(1, problem.horizon, stream);
     if (sometimes() && problem.objective == Objective::kSum) sensor.cost = scale * stream.uniform();
   }
+  problem.spread = sometimes();
   // One sensor without a limit: every step has something to do.
   problem.sensors.back().max_looks = 0;
   return problem;
@@ -116,7 +117,10 @@ std::vector<std::vector<int>> all_schedules(const Problem& problem) {
     for (const std::vector<int>& schedule : schedules) {
       for (int choice = problem.allow_idle ? 0 : 1; choice <= problem.sensor_count(); ++choice) {
         const int limit = choice == 0 ? 0 : problem.sensors[static_cast<std::size_t>(choice - 1)].max_looks;
-        if (limit > 0 && std::count(schedule.begin(), schedule.end(), choice) == limit) continue;
+        const double share = problem.spread ? (k + 1.0) / problem.horizon : 1.0;
+        const auto taken = static_cast<double>(std::count(schedule.begin(), schedule.end(), choice));
+        // Whole numbers of looks, but for rounding.
+        if (limit > 0 && taken + 1.0 > std::ceil(limit * share - 1e-9)) continue;
         longer.push_back(schedule);
         longer.back().push_back(choice);
       }

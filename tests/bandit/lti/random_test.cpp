@@ -70,12 +70,13 @@ TEST(AveragedRiccati, TheGradientIsTheDerivative) {
   }
 }
 
-// The mean over time of a long random schedule is the expectation it tends to.
+// The mean over time of a long random schedule is the expectation it tends to. From P[0] = 0 it comes from below.
 TEST(AveragedRiccati, BoundsTheMeanOfRandomSchedules) {
   RandomStream stream(41);
   for (int run = 0; run < scaled(20); ++run) {
     Problem problem = random_problem({3, 3, 4000}, stream);
     problem.a *= 0.7;
+    problem.initial.setZero();
     const Solution solution = random_choice(problem, {RandomSettings::Probabilities::kUniform}, stream);
     ASSERT_TRUE(solution.bound.has_value());
     // A mean over 4000 steps, most of them independent, of what varies by about itself: within 5 / sqrt(4000 / 10).
@@ -97,8 +98,9 @@ TEST(OptimalProbabilities, AreNotWorseThanAGridOnTheSimplex) {
     for (int i = 0; i <= kGrid; ++i) {
       for (int j = 0; i + j <= kGrid; ++j) {
         const auto at = averaged.fixed_point(Eigen::Vector3d(i, j, kGrid - i - j) / kGrid);
+        // Where W is zero so is X, to what Newton's last step leaves of a start around one.
         if (at) {
-          EXPECT_GE(at->trace, *best.bound * (1.0 - 1e-9)) << run;
+          EXPECT_GE(at->trace, *best.bound * (1.0 - 1e-9) - 1e-20) << run;
         }
       }
     }

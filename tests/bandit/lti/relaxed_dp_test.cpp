@@ -57,9 +57,23 @@ TEST(RelaxedDp, SixStatesAndThreeSensorsOverAHundredSteps) {
     problem.sensors.push_back({Eigen::RowVectorXd::Unit(6, i), Eigen::MatrixXd::Identity(1, 1)});
   constexpr double alpha = 1.5;
   const Solution solution = relaxed_dp(problem, {alpha});
+  ASSERT_EQ(solution.set_sizes.size(), 100U);
   EXPECT_LE(*std::max_element(solution.set_sizes.begin(), solution.set_sizes.end()), 10U);
-  problem.horizon = 100;
-  EXPECT_LE(solution.final_trace, alpha * alpha * optimum(problem).final_trace);
+  problem.horizon = 12;  // of which the exact search takes a moment
+  EXPECT_LE(relaxed_dp(problem, {alpha}).final_trace, alpha * alpha * optimum(problem).final_trace);
+}
+
+// Eight states, six sensors, alpha near one: the exact search for the final trace takes over.
+TEST(RelaxedDp, ASetThatGrowsTooLargeIsLeftToTheExactSearch) {
+  RandomStream stream(33);
+  Problem problem = random_problem({8, 6, 7}, stream);
+  problem.sensors[0].cost = 1.0;  // of the sum, which it does not minimise
+  const Solution solution = relaxed_dp(problem, {1.001});
+  EXPECT_LT(solution.set_sizes.size(), 7U);
+  EXPECT_GT(solution.set_sizes.back(), kMaximumSet);
+  problem.sensors[0].cost = 0.0;
+  problem.objective = Objective::kFinal;
+  EXPECT_EQ(solution.schedule, optimum(problem).schedule);
 }
 
 // The largest entry of a mixture of (1, 4) and (4, 1) is 2.5 at the least.
@@ -73,7 +87,7 @@ TEST(LoewnerCover, NeedsAMixture) {
   EXPECT_TRUE(cover.covers(diagonal(2.5, 2.5), 1e-9));
   EXPECT_TRUE(cover.covers(diagonal(2.0, 3.0), 1e-9));
   EXPECT_FALSE(cover.covers(diagonal(2.49, 2.49), 1e-9));
-  EXPECT_FALSE(cover.covers({2.5, 0.1, 0.1, 2.5}, 1e-9));
+  EXPECT_FALSE(cover.covers(std::vector<double>{2.5, 0.1, 0.1, 2.5}, 1e-9));
 }
 
 TEST(LoewnerCover, TakesOneMixtureForAllBlocks) {

@@ -67,7 +67,8 @@ TEST(TimeSharing, KnowsBudgets) {
   problem.objective = Objective::kSum;
   const double free = bound_of(problem);
   problem.sensors[0].max_looks = 2;
-  EXPECT_GT(bound_of(problem), 1.1 * free);
+  // By little: shared, a sixth of a look in every step tells nearly as much as whole looks.
+  EXPECT_GT(bound_of(problem), 1.01 * free);
 }
 
 // Against all ways to take a row in each of five columns.
