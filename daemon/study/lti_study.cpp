@@ -1,6 +1,7 @@
 // A linear system with several sensors: the schedule of each policy and its cost.
 
 #include "daemon/config/problems.hpp"
+#include "daemon/study/lti_plots.hpp"
 #include "daemon/study/problem_kinds.hpp"
 #include "daemon/study/problem_reader.hpp"
 #include "daemon/study/problem_report.hpp"
@@ -36,10 +37,14 @@ std::unique_ptr<StudyReport> study_lti(ParsedConfig config, const StudyRequest& 
   // The same for all: policies draw from common numbers.
   const RandomStream stream = RandomStream(config.message.seed()).fork("schedule");
   auto report = std::make_unique<ProblemReport>(config.message, policies.size());
+  std::vector<std::pair<std::string, lti::Solution>> solutions;
   for (const auto& [name, policy] : policies) {
     if (watch.stop) break;
-    report->add(name, [&, &policy = policy] { return to_json(solve(problem, policy, stream)); });
+    report->add(name, [&, &name = name, &policy = policy] {
+      return to_json(solutions.emplace_back(name, solve(problem, policy, stream)).second);
+    });
   }
+  report->set_plot([all = std::move(solutions)](const std::filesystem::path& directory) { plot_lti(all, directory); });
   return report;
 }
 

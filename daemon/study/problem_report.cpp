@@ -101,6 +101,7 @@ void ProblemReport::write(const std::filesystem::path& directory) const {
   for (const Result& result : results_) times[result.name] = {{"seconds", result.seconds}};
   write_file(directory / "times.json", times.dump(2) + "\n");
   write_config(directory, config_);
+  if (plot_) plot_(directory);
 }
 
 Json ProblemReport::to_json(bool with_times) const {

@@ -16,8 +16,13 @@ class ProblemReport final : public StudyReport {
  public:
   using Json = nlohmann::ordered_json;
 
+  using Plot = std::function<void(const std::filesystem::path& directory)>;
+
   /// `config` is the effective one; `head` has what is said of the problem itself, before `policies`.
   ProblemReport(v1::Config config, std::size_t policies, Json head = Json::object());
+
+  /// Draws into the directory that `write` fills.
+  void set_plot(Plot plot) { plot_ = std::move(plot); }
 
   /// The result of the next policy and the time that it took. What `solve` throws is said on stderr.
   void add(const std::string& name, const std::function<Json()>& solve);
@@ -42,6 +47,7 @@ class ProblemReport final : public StudyReport {
   std::size_t policies_;
   Json head_;
   std::vector<Result> results_;
+  Plot plot_;
 };
 
 }  // namespace dwell
