@@ -1,27 +1,13 @@
 #include "daemon/config/config_reader.hpp"
 
-#include <fstream>
 #include <regex>
 #include <set>
-#include <sstream>
-
-#include <google/protobuf/io/tokenizer.h>
 
 #include "daemon/config/policy_reader.hpp"
 #include "daemon/config/sections.hpp"
 
 namespace dwell {
 namespace {
-
-using google::protobuf::TextFormat;
-
-class SyntaxErrors : public google::protobuf::io::ErrorCollector {
- public:
-  void AddError(int line, google::protobuf::io::ColumnNumber column, const std::string& message) override {
-    violations.push_back({"syntax", "", message, line + 1, column + 1});
-  }
-  std::vector<Violation> violations;
-};
 
 /// An endpoint that only this machine can reach: nobody is authenticated. By number, as libzmq binds no host names.
 void read_endpoint(FieldReader in, std::string& endpoint) {
@@ -40,6 +26,10 @@ class ConfigReader {
       : config_(config), engine_(config.engine), top_(config.effective, locations, violations_), shelf_(directory) {}
 
   std::vector<Violation> read() {
+    if (const std::string problem = problem_of(config_.effective); !problem.empty()) {
+      top_.refuse(problem.c_str(), "", "is a problem for dwell-study, and no scenario");
+      return std::move(violations_);
+    }
     read_run();
     read_tracker(top_.child("tracker"), engine_);
     read_sensors();
@@ -103,41 +93,25 @@ class ConfigReader {
   RecordingShelf shelf_;
 };
 
-DaemonConfig read(v1::Config message, const FieldReader::Locations* locations, const std::string& source,
-                  const std::filesystem::path& directory) {
+}  // namespace
+
+DaemonConfig read_config(ParsedConfig parsed) {
   DaemonConfig config;
-  config.effective = std::move(message);
-  std::vector<Violation> violations = ConfigReader(config, locations, directory).read();
-  if (!violations.empty()) throw InvalidInput(source, std::move(violations));
+  config.effective = std::move(parsed.message);
+  std::vector<Violation> violations = ConfigReader(config, parsed.locations.get(), parsed.directory).read();
+  if (!violations.empty()) throw InvalidInput(parsed.source, std::move(violations));
   return config;
 }
 
-}  // namespace
+DaemonConfig read_config_file(const std::filesystem::path& file) { return read_config(parse_config_file(file)); }
 
 DaemonConfig read_config_text(const std::string& text, const std::string& source,
                               const std::filesystem::path& directory) {
-  v1::Config message;
-  SyntaxErrors errors;
-  FieldReader::Locations locations;
-  TextFormat::Parser parser;
-  parser.RecordErrorsTo(&errors);
-  parser.WriteLocationsTo(&locations);
-  if (!parser.ParseFromString(text, &message)) throw InvalidInput(source, std::move(errors.violations));
-  return read(std::move(message), &locations, source, directory);
-}
-
-DaemonConfig read_config_file(const std::filesystem::path& file) {
-  std::ifstream input(file);
-  if (!input || std::filesystem::is_directory(file)) {
-    throw InvalidInput(file.string(), {{"file", "", "cannot be read"}});
-  }
-  std::ostringstream text;
-  text << input.rdbuf();
-  return read_config_text(text.str(), file.string(), file.parent_path());
+  return read_config(parse_config_text(text, source, directory));
 }
 
 DaemonConfig read_config(const v1::Config& config, const std::string& source, const std::filesystem::path& directory) {
-  return read(config, nullptr, source, directory);
+  return read_config(ParsedConfig{config, nullptr, source, directory});
 }
 
 }  // namespace dwell

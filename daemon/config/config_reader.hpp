@@ -3,9 +3,8 @@
 #include <filesystem>
 #include <string>
 
+#include "daemon/config/parsed_config.hpp"
 #include "daemon/engine_config.hpp"
-#include "dwell/v1/config.pb.h"
-#include "radar/violation.hpp"
 
 namespace dwell {
 
@@ -19,8 +18,9 @@ struct DaemonConfig {
   v1::Config effective;  ///< the config with every default written out
 };
 
-/// Reads a file in protobuf text format.
+/// Reads a scenario from a file in protobuf text format.
 /// Errors   InvalidInput with every violation: the first syntax error with line and column, or else all rules broken.
+DaemonConfig read_config(ParsedConfig parsed);
 DaemonConfig read_config_file(const std::filesystem::path& file);
 
 /// The same from text or from a message; recordings are looked for relative to `directory`.

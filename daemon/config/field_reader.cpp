@@ -201,6 +201,25 @@ void FieldReader::refuse(const char* name, const std::string& value, const std::
   refuse_at(field(name), field(name)->is_repeated() ? 0 : -1, value, rule);
 }
 
+void FieldReader::refuse(const Violation& violation) {
+  const std::size_t dot = violation.field.find('.');
+  if (dot == std::string::npos) {
+    const std::string path = prefix_ + violation.field;
+    const bool refused = std::any_of(violations_->begin(), violations_->end(),
+                                     [&](const Violation& other) { return other.field == path; });
+    if (!refused) refuse(violation.field.c_str(), violation.value, violation.rule);
+    return;
+  }
+  const std::size_t bracket = violation.field.find('[');
+  const Violation rest{violation.field.substr(dot + 1), violation.value, violation.rule};
+  if (bracket > dot) {
+    child(violation.field.substr(0, dot).c_str()).refuse(rest);
+  } else {
+    const int number = std::stoi(violation.field.substr(bracket + 1));
+    element(violation.field.substr(0, bracket).c_str(), number - 1).refuse(rest);
+  }
+}
+
 std::string FieldReader::path(const char* name) const { return prefix_ + name; }
 
 std::string FieldReader::value(const char* name) const {

@@ -7,6 +7,7 @@
 
 #include "bandit/catalogue.hpp"
 #include "daemon/config/field_reader.hpp"
+#include "daemon/config/policy_text.hpp"
 #include "dwell/v1/config.pb.h"
 
 namespace dwell {
@@ -28,11 +29,7 @@ std::optional<PolicySettings> read_policy(v1::Policy& policy, FieldReader& reade
 /// The same without a file, for commands. Violations are appended.
 std::optional<PolicySettings> read_policy(v1::Policy& policy, int sensors, std::vector<Violation>& violations);
 
-/// "sa_imm:cost=x:nodes=7" to a message. Unknown names and values of the wrong type become violations that list what is
-/// valid, and are left out of the message; empty where the policy itself is unknown.
+/// "sa_imm:cost=x:nodes=7" to a message, by parse_policy; empty where the policy itself is unknown.
 std::optional<v1::Policy> parse_policy_text(std::string_view text, std::vector<Violation>& violations);
-
-/// The message back to text: "sa_imm:cost=x:beta=0:nodes=7".
-std::string policy_text(const v1::Policy& policy);
 
 }  // namespace dwell

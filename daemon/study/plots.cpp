@@ -1,21 +1,14 @@
 #include "daemon/study/plots.hpp"
 
 #include <algorithm>
-#include <cstdlib>
 #include <fstream>
-#include <stdexcept>
 
 #include <spdlog/fmt/fmt.h>
 
-#include <sys/wait.h>
-#include <unistd.h>
+#include "daemon/study/gnuplot.hpp"
 
 namespace dwell {
 namespace {
-
-/// gnuplot's enhanced text would read an underscore as an index.
-constexpr const char* kHeader =
-    "set terminal svg size 900,500 noenhanced background 'white'\nset key outside\nset grid\n";
 
 void write_series(const Study& study, const std::filesystem::path& file) {
   std::ofstream out(file);
@@ -43,7 +36,7 @@ void write_schedules(const Study& study, const std::filesystem::path& file) {
 }
 
 std::string error_script(std::size_t policies) {
-  std::string text = std::string(kHeader) +
+  std::string text = std::string(kSvg) +
                      "set output 'error_over_time.svg'\nset xlabel 'time, s'\n"
                      "set ylabel 'position RMS over runs and tracks, m'\nset logscale y\nplot \\\n";
   for (std::size_t p = 0; p < policies; ++p) {
@@ -69,20 +62,6 @@ std::string schedule_script(const Study& study) {
         study.policies[p].name, p);
   }
   return text + "unset multiplot\n";
-}
-
-void run_gnuplot(const std::filesystem::path& directory, const char* script) {
-  const pid_t child = fork();
-  if (child == 0) {
-    if (chdir(directory.c_str()) == 0) execlp("gnuplot", "gnuplot", script, static_cast<char*>(nullptr));
-    _exit(127);
-  }
-  int status = 0;
-  if (child < 0 || waitpid(child, &status, 0) != child || status != 0) {
-    throw std::runtime_error(WIFEXITED(status) && WEXITSTATUS(status) == 127
-                                 ? "gnuplot is missing: the plots are not drawn, their data and scripts are there"
-                                 : std::string("gnuplot failed on ") + script);
-  }
 }
 
 }  // namespace

@@ -1,14 +1,11 @@
 #include "daemon/study/report.hpp"
 
-#include <algorithm>
-#include <fstream>
-#include <stdexcept>
-
-#include <google/protobuf/text_format.h>
 #include <spdlog/fmt/fmt.h>
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "daemon/study/plots.hpp"
+#include "daemon/study/study_report.hpp"
 
 namespace dwell {
 namespace {
@@ -63,12 +60,6 @@ std::string pair_line(const Study& study, const PairedDifference& pair) {
   return fmt::format("  {} - {}: {:+.4g} [{:+.4g}, {:+.4g}], {} better in {:.0f} % of runs: {}\n",
                      study.policies[pair.a].name, study.policies[pair.b].name, pair.mean, pair.low, pair.high,
                      study.policies[pair.a].name, 100.0 * pair.a_better_share, verdict);
-}
-
-void write_file(const std::filesystem::path& file, const std::string& text) {
-  std::ofstream output(file, std::ios::binary);
-  output << text << std::flush;
-  if (!output) throw std::runtime_error("cannot write " + file.string());
 }
 
 }  // namespace
@@ -145,9 +136,7 @@ void write_study(const Study& study, const v1::Config& config, const std::filesy
   Json times = Json::object();
   for (const PolicyOutcome& policy : study.policies) times[policy.name] = decision_times(policy);
   write_file(directory / "times.json", times.dump(2) + "\n");
-  std::string text;
-  google::protobuf::TextFormat::PrintToString(config, &text);
-  write_file(directory / "config.textproto", text);
+  write_config(directory, config);
   plot_study(study, directory);
 }
 
