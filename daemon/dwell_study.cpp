@@ -10,6 +10,7 @@
 #include <CLI/CLI.hpp>
 
 #include "daemon/exit_code.hpp"
+#include "daemon/flags.hpp"
 #include "daemon/study/problem_kinds.hpp"
 
 namespace dwell {
@@ -34,12 +35,13 @@ void add_options(CLI::App& app, Flags& flags) {
   StudyRequest& request = flags.request;
   app.add_option("--config", flags.config, "scenario or scheduling problem in protobuf text format")->required();
   app.add_option("--policies", flags.policies, "a,b:key=value,c; default: the config's");
-  app.add_option("--seed", request.seed, "of the first run; default: the config's");
-  app.add_option("--runs", request.runs, "Monte Carlo runs")->check(CLI::Range(1, 10'000'000))->capture_default_str();
+  app.add_option("--seed", request.seed, "of the first run; default: the config's")
+      ->check(whole_number(0));
+  app.add_option("--runs", request.runs, "Monte Carlo runs")->check(whole_number(1, 10'000'000))->capture_default_str();
   app.add_option("--scans", request.scans, "of each run of a scenario; default: the config's study_scans")
-      ->check(CLI::PositiveNumber);
+      ->check(whole_number(1));
   app.add_option("--threads", request.threads, "of a scenario; they do not change the results")
-      ->check(CLI::Range(1, 256));
+      ->check(whole_number(1, 256));
   app.add_option("--from-s", request.window.first_s, "figures of a scenario count from this stream time on");
   app.add_option("--to-s", request.window.last_s, "and up to this one");
   app.add_option("--format", flags.format, "what is printed")->check(CLI::IsMember({"table", "json", "csv"}));
@@ -72,6 +74,7 @@ int run(Flags flags) {
   std::signal(SIGINT, interrupt);
   const auto report = kind.study(std::move(config), flags.request, {interrupted, Progress()});
   std::cout << (flags.format == "json" ? report->json() : flags.format == "csv" ? report->csv() : report->table());
+  if (!std::cout.flush()) throw std::runtime_error("cannot write to standard output");
   if (!flags.out.empty()) report->write(flags.out);
   return report->complete() ? kDone : kFailed;
 }

@@ -1,5 +1,8 @@
 // A scenario: policies against each other by Monte Carlo over the engine.
 
+#include <algorithm>
+#include <cmath>
+
 #include <spdlog/fmt/fmt.h>
 
 #include "daemon/config/config_reader.hpp"
@@ -24,6 +27,15 @@ std::vector<NamedPolicy> read_policies(const std::vector<std::string>& texts, co
   return policies;
 }
 
+/// Errors  InvalidInput where no scan is in the window.
+void check_window(const TimeWindow& window, std::uint64_t scans, double period_s) {
+  const double end_s = static_cast<double>(scans) * period_s;
+  const double first_scan_s = std::max(1.0, std::ceil(window.first_s / period_s)) * period_s;
+  if (window.first_s <= window.last_s && first_scan_s <= std::min(window.last_s, end_s)) return;  // false for NaN
+  throw InvalidInput("--from-s, --to-s", {{"window", fmt::format("{} .. {}", window.first_s, window.last_s),
+                                           fmt::format("must hold a scan: there are {} of {} s", scans, period_s)}});
+}
+
 class ScenarioReport final : public StudyReport {
  public:
   ScenarioReport(Study study, v1::Config config) : study_(std::move(study)), config_(std::move(config)) {}
@@ -42,7 +54,7 @@ class ScenarioReport final : public StudyReport {
 }  // namespace
 
 std::unique_ptr<StudyReport> study_scenario(ParsedConfig parsed, const StudyRequest& request, const StudyWatch& watch) {
-  const DaemonConfig config = read_config(std::move(parsed));
+  DaemonConfig config = read_config(std::move(parsed));
   const std::vector<NamedPolicy> policies = read_policies(request.policies, config);
   StudyOptions options;
   options.runs = request.runs;
@@ -50,6 +62,9 @@ std::unique_ptr<StudyReport> study_scenario(ParsedConfig parsed, const StudyRequ
   options.scans = request.scans.value_or(static_cast<std::uint64_t>(config.study_scans));
   options.threads = request.threads;
   options.window = request.window;
+  check_window(options.window, options.scans, to_seconds(config.engine.scan_period));
+  config.effective.set_seed(options.seed);
+  config.effective.set_study_scans(static_cast<std::uint32_t>(options.scans));
   Study study = run_study(config.engine, policies, options, watch.stop, watch.progress);
   if (study.runs_done < options.runs) {
     fmt::print(stderr, "\nended early: {} of {} runs\n", study.runs_done, options.runs);

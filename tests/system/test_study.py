@@ -124,13 +124,23 @@ class Study(SystemTest):
         self.assertEqual(code, 78, log)
         code, _, log = self.study(config=self.path("missing.textproto"))
         self.assertEqual(code, 78, log)
-        for arguments in (["--runs", 0], ["--threads", 0], ["--format", "xml"], ["--no-such-flag"]):
+        for arguments in (["--runs", 0], ["--threads", 0], ["--format", "xml"], ["--no-such-flag"], ["--seed", -1],
+                          ["--seed", 2 ** 64], ["--scans", "1.5"]):
             self.assertEqual(self.study(*arguments)[0], 2, arguments)
+        for window in (["--from-s", 40, "--to-s", 30], ["--from-s", 61], ["--from-s", "nan"], ["--to-s", 0.5]):
+            code, _, log = self.study("--scans", 60, *window)
+            self.assertEqual(code, 78, window)
+            self.assertIn("must hold a scan", log)
 
     def test_out_that_cannot_be_written_is_said(self):
         code, _, log = self.study("--runs", 1, "--out", "/proc/dwell")
         self.assertEqual(code, 1)
         self.assertIn("/proc/dwell", log)
+        with open("/dev/full", "w", encoding="ascii") as full:
+            done = subprocess.run([STUDY, "--config", self.config(), "--runs", "1"], stdout=full, stderr=subprocess.PIPE,
+                                  text=True, timeout=PATIENCE_S, check=False)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("cannot write to standard output", done.stderr)
 
 
 if __name__ == "__main__":
