@@ -35,8 +35,7 @@ void add_options(CLI::App& app, Flags& flags) {
   StudyRequest& request = flags.request;
   app.add_option("--config", flags.config, "scenario or scheduling problem in protobuf text format")->required();
   app.add_option("--policies", flags.policies, "a,b:key=value,c; default: the config's");
-  app.add_option("--seed", request.seed, "of the first run; default: the config's")
-      ->check(whole_number(0));
+  app.add_option("--seed", request.seed, "of the first run; default: the config's")->check(whole_number(0));
   app.add_option("--runs", request.runs, "Monte Carlo runs")->check(whole_number(1, 10'000'000))->capture_default_str();
   app.add_option("--scans", request.scans, "of each run of a scenario; default: the config's study_scans")
       ->check(whole_number(1));
