@@ -14,24 +14,31 @@ PATIENCE_MS = 10_000
 
 
 class Control(threading.Thread):
-    """Serves `len(answers)` requests; an answer is a function of the request, or None for no answer."""
+    """Reads requests until stop(); the first `deaf` get no answer, every later one gets answer(request)."""
 
-    def __init__(self, context, answers):
-        super().__init__()
+    def __init__(self, context, answer, deaf=0):
+        super().__init__(daemon=True)
         self.socket = context.socket(zmq.ROUTER)
-        self.socket.rcvtimeo = PATIENCE_MS
         self.socket.bind(CONTROL)
-        self.answers = answers
+        self.answer = answer
+        self.deaf = deaf
         self.requests = []
+        self.stopped = threading.Event()
         self.start()
 
     def run(self):
-        for answer in self.answers:
+        while not self.stopped.is_set():
+            if not self.socket.poll(10):
+                continue
             peer, body = self.socket.recv_multipart()
             self.requests.append(control_pb2.Request.FromString(body))
-            if answer:
-                self.socket.send_multipart([peer, answer(self.requests[-1]).SerializeToString()])
+            if len(self.requests) > self.deaf:
+                self.socket.send_multipart([peer, self.answer(self.requests[-1]).SerializeToString()])
         self.socket.close(linger=PATIENCE_MS)
+
+    def stop(self):
+        self.stopped.set()
+        self.join()
 
 
 def accepted(request):
@@ -52,34 +59,40 @@ class Requests(unittest.TestCase):
     def daemon(self, timeout_s, tries=3):
         return dwell_client.Dwell(CONTROL, STREAM, timeout_s=timeout_s, tries=tries, context=self.context)
 
+    def serve(self, answer, deaf=0):
+        control = Control(self.context, answer, deaf)
+        self.addCleanup(control.stop)  # before the context goes: clean-ups run last in, first out
+        return control
+
     def test_fields_reach_the_daemon(self):
-        control = Control(self.context, [accepted, accepted])
+        control = self.serve(accepted)
         daemon = self.daemon(PATIENCE_MS / 1000)
         self.assertEqual(daemon.request("set_radar", name="west", up=False).effective_scan, 43)
         daemon.request("pause")
-        control.join()
+        control.stop()
         self.assertEqual(control.requests[0].set_radar.name, "west")
         self.assertEqual(control.requests[1].WhichOneof("body"), "pause")
         self.assertNotEqual(control.requests[0].id, control.requests[1].id)
 
     def test_asks_again_with_the_same_id(self):
-        control = Control(self.context, [None, accepted])
-        self.daemon(0.05, tries=100).request("pause")
-        control.join()
+        control = self.serve(accepted, deaf=1)
+        self.daemon(0.5, tries=100).request("pause")
+        control.stop()
+        self.assertGreater(len(control.requests), 1)
         self.assertEqual(control.requests[0], control.requests[1])
 
     def test_gives_up_after_the_last_try(self):
-        control = Control(self.context, [None, None, None])
+        control = self.serve(accepted, deaf=1000)
         with self.assertRaises(dwell_client.NoAnswer):
             self.daemon(0.05).request("pause")
-        control.join()
+        control.stop()
         self.assertEqual(len({request.id for request in control.requests}), 1)
+        self.assertLessEqual(len(control.requests), 3)
 
     def test_a_refusal_names_its_violations(self):
-        control = Control(self.context, [refused])
+        self.serve(refused)
         with self.assertRaisesRegex(dwell_client.Refused, "INVALID; nodes = 99: 2 .. 32"):
             self.daemon(PATIENCE_MS / 1000).request("set_policy", text="sa_imm:nodes=99")
-        control.join()
 
 
 class Envelopes(unittest.TestCase):
