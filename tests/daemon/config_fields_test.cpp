@@ -88,6 +88,14 @@ const std::vector<Row> kRows{
   {"Radar.usage_cost", radar("usage_cost: @"), "radar[1].usage_cost", "must be in [0, 1000000000000]",
    not_finite_and({"-1", "1000000000001"}), {"0", "1e12"}},
 
+  {"Budget.looks", radar("budget { looks: @ horizon_s: 1e6 }"), "radar[1].budget.looks",
+   "must be a whole number from 1 to 100000", {"0", "100001", "4294967295"}, {"1", "100000"}},
+  {"Budget.window_s", "scan_period_s: 0.001 " + radar("budget { looks: 1 window_s: @ }"), "radar[1].budget.window_s",
+   "must be in [0.001, 1000000]", not_finite_and({"0", "-1", "1000001"}), {"0.002", "1e6"}},
+  {"Budget.horizon_s", "scan_period_s: 0.001 " + radar("budget { looks: 1 horizon_s: @ }"),
+   "radar[1].budget.horizon_s", "must be in [0.001, 1000000]", not_finite_and({"0", "-1", "1000001"}),
+   {"0.002", "1e6"}},
+
   {"LinearSensor.c", linear(kR + "c: [1, 0, 0, 0,  0, 0, @, 0]"), "linear_sensor[1].c",
    "must be in [-1000000, 1000000]", not_finite_and({"1000001"}), {"0", "-1e6", "1e6"}},
   {"LinearSensor.r", linear(kC + "r: [1, 0, 0, @]"), "linear_sensor[1].r", "must be in [-1e+18, 1e+18]",
