@@ -44,7 +44,7 @@ bool LookBudget::allows(int ahead, Plan planned) const {
     account = account_at(scan_ + i + 1, account - (look ? settings_.scans : 0));
   }
   if (looks >= settings_.looks) return false;
-  return settings_.spread == BudgetSettings::Spread::kFree || account >= settings_.scans;
+  return settings_.spread == BudgetSettings::Spread::kFree || account > 0;
 }
 
 int LookBudget::left() const {
