@@ -22,12 +22,12 @@ struct BudgetSettings {
 
 /// How many looks a sensor has left: at most N in L scans.
 ///
-/// Spread evenly, a look must also be due. By scan k of a horizon at most ceil(k N / L) looks; the same in a window, where
-/// those that are due and not taken add up to N at most. (An account that gains N a scan up to N L, pays L a look, and
-/// allows one while it is positive: whole numbers, nothing drifts.) What is not taken stays due, so a sensor that rested
-/// may look several times on end at a manoeuvre. A myopic rule that always prefers the sensor then looks every L / N
-/// scans instead of N times at the beginning: of a random walk (q = 1; 10 looks in 60 scans with R = .1, others with
-/// R = 50) that leaves a mean variance of 2.2848 where the same rule, left free, leaves 5.0462.
+/// Spread evenly, a look must also be due. By scan k of a horizon at most ceil(k N / L) looks; the same in a window,
+/// where those that are due and not taken add up to N at most. (An account that gains N a scan up to N L, pays L a
+/// look, and allows one while it is positive: whole numbers, nothing drifts.) What is not taken stays due, so a sensor
+/// that rested may look several times on end at a manoeuvre. A myopic rule that always prefers the sensor then looks
+/// every L / N scans instead of N times at the beginning: of a random walk (q = 1; 10 looks in 60 scans with R = .1,
+/// others with R = 50) that leaves a mean variance of 2.2848 where the same rule, left free, leaves 5.0462.
 ///
 /// Source  Evans et al. (2005), IV-F, for the constraints; the spread is ours.
 class LookBudget {

@@ -191,13 +191,14 @@ void Engine::list_feasible_pairs() {
   feasible_.clear();
   for (std::size_t track = 0; track < tracks_.size(); ++track) {
     if (!tracks_[track].alive()) continue;
-    const std::size_t before = feasible_.size();
+    bool covered = false;
     for (std::size_t sensor = 0; sensor < sensors_.size(); ++sensor) {
       const SensorState& state = sensor_states_[sensor];
-      if (!state.up || !state.budget.allows()) continue;
-      if (sensors_[sensor]->covers(tracks_[track].combined.mean)) feasible_.push_back({sensor, track});
+      if (!state.up || !sensors_[sensor]->covers(tracks_[track].combined.mean)) continue;
+      covered = true;
+      if (state.budget.allows()) feasible_.push_back({sensor, track});
     }
-    if (feasible_.size() == before) tracks_[track].status = TrackStatus::kCoasting;
+    if (!covered) tracks_[track].status = TrackStatus::kCoasting;
   }
 }
 
