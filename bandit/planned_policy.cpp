@@ -5,8 +5,7 @@
 
 namespace dwell {
 
-PlannedPolicy::PlannedPolicy(int scans, TrackDynamics::Objective objective)
-    : scans_(scans), dynamics_(objective), tree_(dynamics_, kLevelBytes), level_(0, 0, 0) {}
+PlannedPolicy::PlannedPolicy(int scans) : scans_(scans), tree_(dynamics_, kLevelBytes), level_(0, 0, 0) {}
 
 void PlannedPolicy::decide(const Situation& situation, Decision& decision) {
   fell_back_ = false;

@@ -27,7 +27,7 @@ class PlannedPolicy : public Policy {
   static constexpr std::size_t kLevelBytes = std::size_t{1} << 22;
 
   /// `scans` that are looked ahead, the present one among them: 1 .. PredictedPaths::kMostScans.
-  explicit PlannedPolicy(int scans, TrackDynamics::Objective objective = TrackDynamics::Objective::kSum);
+  explicit PlannedPolicy(int scans);
 
   int scans() const { return scans_; }
   /// A schedule that begins with this choice costs so much.

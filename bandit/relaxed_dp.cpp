@@ -5,9 +5,14 @@
 #include <Eigen/Cholesky>
 
 namespace dwell {
+namespace {
+
+constexpr double kRounding = 1e-9;  // relative to the trace or the cost, as lti/relaxed_dp
+
+}  // namespace
 
 RelaxedDp::RelaxedDp(const RelaxedDpSettings& settings)
-    : PlannedPolicy(settings.horizon, TrackDynamics::Objective::kFinal),
+    : PlannedPolicy(settings.horizon),
       lower_paths_(1.0 / settings.alpha),
       lower_tree_(lower_, kLevelBytes),
       cover_(settings.alpha, lower_) {}
@@ -42,18 +47,21 @@ double RelaxedDp::true_cost(Tree& tree) {
 
 void RelaxedDp::Cover::select(const Level& parents, const Level& children, std::vector<std::size_t>& kept) {
   up_.resize(lower_.paths().modes());
-  cost_.resize(children.size());
+  cost_up_.resize(children.size());
   order_.resize(children.size());
+  idle_up_ = idle_up(children.depth());
   for (std::size_t i = 0; i < children.size(); ++i) {
     order_[i] = i;
-    cost_[i] = cost_up(parents[children[i].parent], children[i], children.depth());
+    cost_up_[i] = cost_up(parents[children[i].parent], children[i], children.depth());
   }
-  std::sort(order_.begin(), order_.end(),
-            [&](std::size_t i, std::size_t j) { return cost_[i] != cost_[j] ? cost_[i] < cost_[j] : i < j; });
+  std::sort(order_.begin(), order_.end(), [&](std::size_t i, std::size_t j) {
+    return cost_up_[i] != cost_up_[j] ? cost_up_[i] < cost_up_[j] : i < j;
+  });
   for (const std::size_t i : order_) {
     const Node parent = parents[children[i].parent];
     const bool covered = std::any_of(kept.begin(), kept.end(), [&](std::size_t lo) {
-      return covers(children[lo], parent, children[i], children.depth());
+      return children[lo].cost <= cost_up_[i] * (1.0 + kRounding) &&
+             covers(children[lo], parent, children[i], children.depth());
     });
     if (!covered) kept.push_back(i);
     if (kept.size() > kMostKept) throw std::length_error("more than can be compared: take beam");
@@ -72,10 +80,22 @@ void RelaxedDp::Cover::step_up(const Node& parent, const Node& child, int depth,
   lower_.paths().step(from, choice, alpha_, up_.data());
 }
 
-/// Of all tracks, less a constant: that of the tracks not looked at.
-double RelaxedDp::Cover::cost_up(const Node& parent, const Node& child, int depth) {
+/// The up of all tracks after the scan where none was ever looked at.
+double RelaxedDp::Cover::idle_up(int depth) {
   PredictedPaths& paths = lower_.paths();
   double cost = 0.0;
+  for (std::size_t track = 0; track < paths.tracks(); ++track) {
+    paths.step(paths.idle(track, depth - 2), PredictedPaths::kNoLook, alpha_, up_.data());
+    cost += paths.cost(track, depth - 1, up_.data());
+  }
+  return cost;
+}
+
+/// What the parent's lo has cost so far, and the up of all tracks.
+double RelaxedDp::Cover::cost_up(const Node& parent, const Node& child, int depth) {
+  PredictedPaths& paths = lower_.paths();
+  double cost = parent.cost + idle_up_;
+  if (child.choice > 0) cost += lower_.situation().usage_cost[lower_.pair_of(child.choice).sensor];
   for (int look = 0; look < depth; ++look) {
     if (child.state[look] == PredictedPaths::kNobody) continue;
     const std::size_t track = paths.track(child.state[look]);
@@ -106,7 +126,6 @@ bool RelaxedDp::Cover::covers(const Node& lo, const Node& parent, const Node& ch
 }
 
 bool RelaxedDp::Cover::nowhere_above_up(PredictedPaths::Belief low) const {
-  constexpr double kRounding = 1e-9;  // relative to the trace, as lti/relaxed_dp
   const StateMatrix* covariances = lower_.paths().covariances(low);
   for (std::size_t mode = 0; mode < up_.size(); ++mode) {
     StateMatrix gap = up_[mode] - covariances[mode];

@@ -9,17 +9,16 @@ struct RelaxedDpSettings {
   int horizon = 2;      ///< scans that are looked ahead, the present one among them; 1 .. 8
 };
 
-/// Relaxed dynamic programming: the tracks' total cost after the last scan of the horizon is within alpha^2 of the
-/// least that any schedule of the plan's model leaves. (It is the final cost that the guarantee is for; what a track
-/// costs on the way there does not count.)
+/// Relaxed dynamic programming: the cost of the horizon is within alpha^2 of the least that any schedule of the plan's
+/// model costs.
 ///
-/// A set of beliefs goes forward. Of each and every pair a candidate: `up` and `lo`, the step with process and
-/// measurement noise multiplied by alpha and by 1 / alpha. In the order of the cost of up, a candidate is dropped where
-/// the lo of one kept before is nowhere above its up, in every mode of every track, and looked in the same scans with
-/// every limited sensor; else its lo is kept. The answer is the kept schedule of the least true cost. That the steps
-/// are monotone and homogeneous in P and the noise is what makes the guarantee (Alriksson and Rantzer); mixtures of
-/// what is kept are not tried for the cover, as lti/relaxed_dp does: what might be dropped besides is kept, which is
-/// safe.
+/// A set of beliefs and costs so far goes forward. Of each and every pair a candidate: `up` and `lo`, the step with
+/// process and measurement noise multiplied by alpha and by 1 / alpha. In the order of the cost of up, a candidate is
+/// dropped where the lo of one kept before costs no more than its up, is nowhere above it, in every mode of every
+/// track, and looked in the same scans with every limited sensor; else its lo is kept. The answer is the kept schedule
+/// of the least true cost. That the steps are monotone and homogeneous in P and the noise is what makes the guarantee,
+/// for the final cost of Alriksson and Rantzer as for the sum of this plan, which is homogeneous too. Mixtures of what
+/// is kept are not tried for the cover, as lti/relaxed_dp does: what might be dropped besides is kept, which is safe.
 ///
 /// Many tracks leave little to drop: their schedules leave different tracks well known. Where more than kMostKept
 /// beliefs stay the search is given up (PlannedPolicy); beam is the one to take. Source  Alriksson, Rantzer (2005),
@@ -45,6 +44,7 @@ class RelaxedDp final : public PlannedPolicy {
 
    private:
     void step_up(const Node& parent, const Node& child, int depth, std::size_t track);
+    double idle_up(int depth);
     double cost_up(const Node& parent, const Node& child, int depth);
     bool covers(const Node& lo, const Node& parent, const Node& child, int depth);
     bool nowhere_above_up(PredictedPaths::Belief low) const;
@@ -52,12 +52,13 @@ class RelaxedDp final : public PlannedPolicy {
     double alpha_;
     TrackDynamics& lower_;
     std::vector<StateMatrix> up_;  // of one track's modes
-    std::vector<double> cost_;
+    double idle_up_ = 0.0;
+    std::vector<double> cost_up_;
     std::vector<std::size_t> order_;
   };
 
   PredictedPaths lower_paths_;
-  TrackDynamics lower_{TrackDynamics::Objective::kFinal};
+  TrackDynamics lower_;
   Tree lower_tree_;
   Cover cover_;
   Level kept_{0, 0, 0};

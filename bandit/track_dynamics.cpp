@@ -40,17 +40,15 @@ void TrackDynamics::step(const Node& node, int step, int choice, Scalar* to, std
 
 double TrackDynamics::cost_after(const Node& node, int step, int choice, const Scalar* to) {
   const int scan = step - 1;
-  const bool sum = objective_ == Objective::kSum;
-  double cost = (sum ? node.cost : 0.0) + all_tracks(node.state, scan, scan);
+  const double cost = node.cost + all_tracks(node.state, scan, scan);
   if (choice == 0) return cost;
   const Pair pair = pair_of(choice);
-  cost += paths_->cost(to[scan]) - paths_->cost(belief(node.state, scan, pair.track, scan));
-  return sum ? cost + situation_->usage_cost[pair.sensor] : cost;
+  const double gain = paths_->cost(belief(node.state, scan, pair.track, scan)) - paths_->cost(to[scan]);
+  return cost - gain + situation_->usage_cost[pair.sensor];
 }
 
 double TrackDynamics::cost_without_looks(double cost, const Scalar* state, int depth) {
   const int last = paths_->scans() - 1;
-  if (objective_ == Objective::kFinal) return depth > last ? cost : all_tracks(state, depth, last);
   for (int scan = depth; scan <= last; ++scan) cost += all_tracks(state, depth, scan);
   return cost;
 }

@@ -10,17 +10,13 @@ namespace dwell {
 /// A choice is a pair, 1 + track x sensors + sensor; step k is scan k - 1, from now. Idle is a choice only where no
 /// pair is feasible: the link is there to be used. The state are the beliefs that the looks have led to, one a step:
 /// all other tracks were not looked at. `looks` has a bit for each scan in which a sensor looks, which is what a budget
-/// asks for.
-///
-///   kSum     sum over scans and tracks of the cost after the scan (PredictedPaths), and the use of the sensors
-///   kFinal   sum over tracks of the cost after the last scan
+/// asks for. The cost is the sum over scans and tracks of the cost after the scan (PredictedPaths), and the use of the
+/// sensors. That of the last scan alone would not do for plans made anew in every scan: the best time for a look would
+/// always be the next one.
 class TrackDynamics {
  public:
   using Scalar = PredictedPaths::Belief;
   using Node = search::Node<Scalar>;
-  enum class Objective { kSum, kFinal };
-
-  explicit TrackDynamics(Objective objective) : objective_(objective) {}
 
   /// The paths are those of the situation; both outlive the tree.
   void start(const Situation& situation, PredictedPaths& paths);
@@ -53,7 +49,6 @@ class TrackDynamics {
   bool may_look(const Node& node, int scan, const Pair& pair) const;
   double all_tracks(const Scalar* state, int depth, int scan);
 
-  Objective objective_;
   const Situation* situation_ = nullptr;
   PredictedPaths* paths_ = nullptr;
   std::vector<double> idle_total_;  // of all tracks after each scan, without a look

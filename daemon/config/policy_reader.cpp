@@ -93,7 +93,7 @@ constexpr Row kRows[] = {
     {"random", "pairs at random, with probabilities of a small bound", read_row<RandomSettings>},
     {"window", "the best schedule of the next d scans", read_row<WindowSettings>},
     {"threshold", "the best of the schedules that stay within a factor of the cheapest", read_row<ThresholdSettings>},
-    {"relaxed_dp", "a final cost within alpha^2 of the least", read_row<RelaxedDpSettings>},
+    {"relaxed_dp", "a plan within alpha^2 of the cheapest", read_row<RelaxedDpSettings>},
     {"beam", "the best schedule of a beam: the one for many tracks", read_row<BeamSettings>},
     {"optimum", "the best schedule of the horizon, by branch and bound", read_row<OptimumSettings>},
     {"lookahead", "the least expected cost when later looks follow what is measured", read_row<LookAheadSettings>},

@@ -75,6 +75,14 @@ void expect_below(const std::vector<double>& a, const std::vector<double>& b) {
   EXPECT_GT(paired.mean - 4.0 * paired.standard_error, 0.0);
 }
 
+/// a is below b in most runs: a sign test, for errors without a mean to speak of. By chance with 1/2 each: as above.
+void expect_below_in_most_runs(const std::vector<double>& a, const std::vector<double>& b) {
+  const auto runs = static_cast<double>(a.size());
+  double below = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) below += a[i] < b[i] ? 1.0 : 0.0;
+  EXPECT_GT(below, 0.5 * runs + 4.0 * 0.5 * std::sqrt(runs));
+}
+
 const RoundRobinSettings kTrackFastest{RoundRobinSettings::Order::kTrackFastest};
 
 // --- a budget
@@ -251,7 +259,7 @@ TEST(MyopicLoses, WithPdUnknownToItItIsWorseThanTurnsAndKnowingItBetter) {
   const Outcome knowing = report("sa_imm, P_d known", scene, SaImmSettings{});
   const Outcome certain = report("sa_imm, P_d taken as 1", scene, misled(SaImmSettings{}));
   const Outcome beam = report("beam, P_d known", scene, BeamSettings{});
-  expect_below(turns.squared_error, certain.squared_error);
+  expect_below_in_most_runs(turns.squared_error, certain.squared_error);  // ten scans without a plot, or sixty
   expect_below(knowing.squared_error, turns.squared_error);
   expect_below(beam.squared_error, turns.squared_error);
 }
