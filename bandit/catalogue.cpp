@@ -13,6 +13,13 @@ struct Make {
   std::unique_ptr<Policy> operator()(const BhattacharyyaSettings& s) const {
     return std::make_unique<Bhattacharyya>(s);
   }
+  std::unique_ptr<Policy> operator()(const RandomSettings& s) const { return std::make_unique<RandomChoice>(s); }
+  std::unique_ptr<Policy> operator()(const WindowSettings& s) const { return std::make_unique<Window>(s); }
+  std::unique_ptr<Policy> operator()(const ThresholdSettings& s) const { return std::make_unique<Threshold>(s); }
+  std::unique_ptr<Policy> operator()(const RelaxedDpSettings& s) const { return std::make_unique<RelaxedDp>(s); }
+  std::unique_ptr<Policy> operator()(const BeamSettings& s) const { return std::make_unique<Beam>(s); }
+  std::unique_ptr<Policy> operator()(const OptimumSettings& s) const { return std::make_unique<Optimum>(s); }
+  std::unique_ptr<Policy> operator()(const LookAheadSettings& s) const { return std::make_unique<LookAhead>(s); }
 };
 
 }  // namespace

@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "bandit/look_budget.hpp"
+#include "radar/random.hpp"
 #include "radar/sensor.hpp"
 #include "tracker/measurement.hpp"
 #include "tracker/track.hpp"
@@ -23,10 +25,14 @@ struct Situation {
   TimePoint time;
   int looks = 1;                           ///< at most so many pairs are chosen
   UpdateForm update = UpdateForm::kEkf;    ///< how a plot will meet the state
+  const DiscreteBank* bank = nullptr;      ///< how the tracks move from scan to scan; never null
+  RandomStream random;                     ///< of this scan's decision: what a policy draws comes from a copy
   std::span<const Sensor* const> sensors;  ///< as they are believed to be
+  std::span<const SensorState> states;     ///< of each sensor: up, and its budget
   std::span<const double> usage_cost;      ///< gamma of each sensor, in units of the policy's cost
   std::span<const Track> tracks;
-  std::span<const Pair> feasible;  ///< sensor up, track alive and covered; tracks in order, then sensors
+  std::span<const Pair> feasible;  ///< sensor up and within its budget, track alive and covered; tracks in order, then
+                                   ///< sensors
 };
 
 /// A feasible pair and what the policy thinks of it.

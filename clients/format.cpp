@@ -45,6 +45,14 @@ std::string value_text(const google::protobuf::Message& message, const google::p
   }
 }
 
+// Looks left of how many; in brackets while none is due.
+std::string budget_text(const v1::RadarState& radar) {
+  if (!radar.has_budget()) return "-";
+  const v1::BudgetState& budget = radar.budget();
+  const std::string text = fmt::format("{}/{}", budget.left(), budget.looks());
+  return budget.due() ? text : "(" + text + ")";
+}
+
 using Facts = std::vector<std::pair<std::string, std::string>>;
 
 Lines align(const Facts& facts) {
@@ -157,6 +165,7 @@ Lines format_radars(const v1::RadarList& radars, const Page& page) {
                {"looks", true, 0},
                {"plots", true, 2},
                {"detected", true, 3},
+               {"budget", true, 2},
                {"E km", true, 1},
                {"N km", true, 1}});
   for (const v1::RadarState& radar : radars.radar()) {
@@ -164,8 +173,8 @@ Lines format_radars(const v1::RadarList& radars, const Page& page) {
     table.add(
         {fmt::format("{}", radar.number()), printable(radar.name()), radar.up() ? "up" : "down",
          fmt::format("{}", radar.looks()), fmt::format("{}", radar.detections()),
-         radar.looks() > 0 ? fixed(100 * share, 1) + " %" : "-", radar.has_x_m() ? fixed(radar.x_m() / 1e3, 3) : "-",
-         radar.has_y_m() ? fixed(radar.y_m() / 1e3, 3) : "-"},
+         radar.looks() > 0 ? fixed(100 * share, 1) + " %" : "-", budget_text(radar),
+         radar.has_x_m() ? fixed(radar.x_m() / 1e3, 3) : "-", radar.has_y_m() ? fixed(radar.y_m() / 1e3, 3) : "-"},
         radar.up() ? Mark::kPlain : Mark::kWarning);
   }
   return table.lines(page, "radars");

@@ -105,9 +105,16 @@ void encode_radar(const Engine& engine, std::size_t sensor, v1::RadarState& mess
   message.Clear();
   message.set_number(number_of(sensor));
   message.set_name(config.name);
-  message.set_up(engine.sensor_up(sensor));
+  const SensorState& state = engine.sensor_state(sensor);
+  message.set_up(state.up);
   message.set_looks(engine.counts().looks[sensor]);
   message.set_detections(engine.counts().detections[sensor]);
+  if (state.budget.limited()) {
+    v1::BudgetState& budget = *message.mutable_budget();
+    budget.set_looks(static_cast<std::uint32_t>(config.budget.looks));
+    budget.set_left(static_cast<std::uint32_t>(state.budget.left()));
+    budget.set_due(state.budget.allows());
+  }
   if (const auto* figures = std::get_if<RadarFigures>(&config.figures)) {
     message.set_x_m(figures->position_m.x());
     message.set_y_m(figures->position_m.y());

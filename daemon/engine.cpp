@@ -57,6 +57,7 @@ struct Engine::TruthLink {
 Engine::Engine(const EngineConfig& config)
     : config_(config),
       root_(config.seed),
+      policy_stream_(root_.fork("policy")),
       tracker_(bank_of(config), config.bank.initial_probability, config.tracker),
       policy_(make_policy(config.policy)) {
   for (const SensorConfig& sensor : config_.sensors) {
@@ -64,7 +65,7 @@ Engine::Engine(const EngineConfig& config)
     sensor_views_.push_back(sensors_.back().get());
     sensor_streams_.push_back(root_.fork("radar/" + sensor.name));
     usage_cost_.push_back(sensor.usage_cost);
-    sensor_up_.push_back(sensor.up);
+    sensor_states_.push_back({sensor.up, LookBudget(sensor.budget)});
   }
   std::size_t most = 0;
   for (const Sensor* sensor : sensor_views_) most = std::max(most, most_plots(*sensor, config_.targets.size()));
@@ -85,6 +86,7 @@ Engine::~Engine() = default;
 const ScanReport& Engine::scan() {
   ++report_.scan;
   report_.time += config_.scan_period;
+  for (SensorState& sensor : sensor_states_) sensor.budget.next_scan();
   drop_lost_tracks();
   advance_truth();
   predict_tracks();
@@ -166,7 +168,7 @@ std::optional<Gaussian> Engine::first_belief(std::size_t target) {
   const auto& first_plot = std::get<FirstPlotStart>(truth.config->track_start);
   for (std::size_t i = 0; i < sensors_.size(); ++i) {
     const Dwell dwell{RadarId{static_cast<std::uint32_t>(i + 1)}, TrackId{}, report_.time, *truth.state};
-    if (!sensor_up_[i]) continue;
+    if (!sensor_states_[i].up) continue;
     const TargetTruth alone{truth.id, *truth.state};
     simulate_look(*sensors_[i], dwell, std::span(&alone, 1), stream.fork(i), look_plots_);
     for (const Plot& plot : look_plots_) {
@@ -189,19 +191,28 @@ void Engine::list_feasible_pairs() {
   feasible_.clear();
   for (std::size_t track = 0; track < tracks_.size(); ++track) {
     if (!tracks_[track].alive()) continue;
-    const std::size_t before = feasible_.size();
+    bool covered = false;
     for (std::size_t sensor = 0; sensor < sensors_.size(); ++sensor) {
-      if (sensor_up_[sensor] && sensors_[sensor]->covers(tracks_[track].combined.mean)) {
-        feasible_.push_back({sensor, track});
-      }
+      const SensorState& state = sensor_states_[sensor];
+      if (!state.up || !sensors_[sensor]->covers(tracks_[track].combined.mean)) continue;
+      covered = true;
+      if (state.budget.allows()) feasible_.push_back({sensor, track});
     }
-    if (feasible_.size() == before) tracks_[track].status = TrackStatus::kCoasting;
+    if (!covered) tracks_[track].status = TrackStatus::kCoasting;
   }
 }
 
 void Engine::choose() {
-  const Situation situation{
-      report_.time, config_.looks_per_scan, config_.tracker.update, sensor_views_, usage_cost_, tracks_, feasible_};
+  const Situation situation{.time = report_.time,
+                            .looks = config_.looks_per_scan,
+                            .update = config_.tracker.update,
+                            .bank = &tracker_.bank(),
+                            .random = policy_stream_.fork(report_.scan),
+                            .sensors = sensor_views_,
+                            .states = sensor_states_,
+                            .usage_cost = usage_cost_,
+                            .tracks = tracks_,
+                            .feasible = feasible_};
   policy_->decide(situation, report_.decision);
   report_.policy = policy_->name();
   report_.looks.clear();
@@ -220,6 +231,7 @@ void Engine::execute(const Pair& pair) {
   compare_with_truth(pair.track);
   const LookOutcome outcome = tracker_.look(track, *sensors_[pair.sensor], look.dwell, look_plots_);
   if (outcome.used_plot) look.used_plot = look.first_plot + *outcome.used_plot;
+  sensor_states_[pair.sensor].budget.take();
   ++counts_.looks[pair.sensor];
   if (outcome.used_plot) ++counts_.detections[pair.sensor];
   if (links_[pair.track].far_looks >= kFarLooksToLose && track.alive()) track.lose(LossCause::kFromTruth);

@@ -65,13 +65,13 @@ class Engine {
   /// Take effect at the next scan.
   void set_policy(const PolicySettings& settings);
   void set_policy(std::unique_ptr<Policy> policy) { policy_ = std::move(policy); }
-  void set_sensor(std::size_t sensor, bool up) { sensor_up_[sensor] = up; }
+  void set_sensor(std::size_t sensor, bool up) { sensor_states_[sensor].up = up; }
 
   const EngineConfig& config() const { return config_; }
   /// The living tracks, and those lost at the last scan.
   std::span<const Track> tracks() const { return tracks_; }
   std::span<const Sensor* const> sensors() const { return sensor_views_; }
-  bool sensor_up(std::size_t sensor) const { return sensor_up_[sensor]; }
+  const SensorState& sensor_state(std::size_t sensor) const { return sensor_states_[sensor]; }
   const EngineCounts& counts() const { return counts_; }
   std::string_view policy_name() const { return policy_->name(); }
 
@@ -96,6 +96,7 @@ class Engine {
 
   EngineConfig config_;
   RandomStream root_;
+  RandomStream policy_stream_;
   Tracker tracker_;
   std::unique_ptr<Policy> policy_;
 
@@ -103,7 +104,7 @@ class Engine {
   std::vector<const Sensor*> sensor_views_;
   std::vector<RandomStream> sensor_streams_;
   std::vector<double> usage_cost_;
-  std::vector<bool> sensor_up_;
+  std::vector<SensorState> sensor_states_;
 
   std::vector<Target> targets_;
   std::vector<TargetTruth> truth_;  // of the living targets, in order

@@ -29,6 +29,7 @@ struct SensorConfig {
   std::variant<RadarFigures, LinearFigures> figures;
   double usage_cost = 0.0;  ///< gamma: cost of one look, in units of the policy's cost
   bool up = true;
+  BudgetSettings budget;
 };
 
 /// Truth of one target, ready to be started at `start`.

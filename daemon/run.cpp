@@ -287,7 +287,9 @@ void Run::fill_status(v1::Status& status) const {
   status.set_policy(policy_text_);
   status.set_radars(static_cast<std::uint32_t>(engine_.sensors().size()));
   for (std::size_t i = 0; i < engine_.sensors().size(); ++i) {
-    if (engine_.sensor_up(i)) status.set_radars_up(status.radars_up() + 1);
+    const SensorState& sensor = engine_.sensor_state(i);
+    if (sensor.up) status.set_radars_up(status.radars_up() + 1);
+    if (sensor.up && !sensor.budget.allows()) status.set_radars_over_budget(status.radars_over_budget() + 1);
   }
   for (const Track& track : engine_.tracks()) {
     if (track.status == TrackStatus::kConfirmed) status.set_tracks_confirmed(status.tracks_confirmed() + 1);

@@ -41,6 +41,7 @@ class Tracker {
 
   const TrackerSettings& settings() const { return settings_; }
   int modes() const { return bank_.size(); }
+  const DiscreteBank& bank() const { return bank_; }
 
   /// A confirmed track from a given belief.
   Track start(TrackId id, std::string name, const Gaussian& belief) const;

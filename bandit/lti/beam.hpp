@@ -4,15 +4,7 @@
 
 namespace dwell::lti {
 
-/// Keeps the `width` cheapest nodes of every level; of equal ones the first.
-class BeamPruning final : public Pruning {
- public:
-  explicit BeamPruning(std::size_t width) : width_(width) {}
-  void select(const Level& parents, const Level& children, std::vector<std::size_t>& kept) override;
-
- private:
-  std::size_t width_;
-};
+using BeamPruning = search::BeamPruning<double>;
 
 struct BeamSettings {
   int width = 10;  ///< >= 1

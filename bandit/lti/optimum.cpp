@@ -10,88 +10,45 @@
 
 #include "bandit/lti/beam.hpp"
 #include "bandit/lti/time_sharing.hpp"
+#include "bandit/search/bound_pruning.hpp"
 
 namespace dwell::lti {
 namespace {
 
-// A bound must exceed the schedule at hand by more than the rounding of either, relative.
-constexpr double kRounding = 1e-10;
 // Nodes of a level that one is compared with in the Loewner order: more find a few more, and cost their square.
 constexpr std::size_t kRivals = 200;
-// Nodes of a level: each of their children meets its rivals, in seconds a level.
-constexpr std::size_t kMaximumNodes = 100'000;
-
-class Everything final : public Pruning {
- public:
-  void select(const Level& /*parents*/, const Level& children, std::vector<std::size_t>& kept) override {
-    kept.resize(children.size());
-    std::iota(kept.begin(), kept.end(), std::size_t{0});
-  }
-};
 
 /// Of a sum objective, as the header says.
-class BoundPruning final : public Pruning {
+class SumBounds final : public search::Bounds<double> {
  public:
-  BoundPruning(SearchTree& tree, TimeSharing& sharing, int steps, double at_hand, std::size_t width)
-      : tree_(tree), sharing_(sharing), left_(steps), at_hand_(at_hand), width_(width) {
+  SumBounds(SearchTree& tree, TimeSharing& sharing) : tree_(tree), sharing_(sharing) {
     for (const Sensor& sensor : tree.problem().sensors) cheapest_use_ = std::min(cheapest_use_, sensor.cost);
     if (tree.problem().allow_idle) cheapest_use_ = 0.0;
   }
 
-  bool admits(const Node& child) override {
-    double bound = child.cost + sharing_.bound(child, left_ - 1);
-    if (!loses(bound)) bound = std::max(bound, bound_with_all(child));
-    if (loses(bound)) return false;
-    bounds_.push_back(bound);
+  double bound(const Node& node, int left, double enough) override {
+    const double shared = node.cost + sharing_.bound(node, left);
+    return shared > enough ? shared : std::max(shared, bound_with_all(node, left, enough));
+  }
+
+  bool serves_as_well(const Node& rival, const Node& node) override {
+    if (!no_more_looks(tree_.problem(), rival.looks, node.looks)) return false;
+    for (int block = 0; block < tree_.riccati().blocks(); ++block) {
+      if (!below(rival.state, node.state, block)) return false;
+    }
     return true;
   }
 
-  void select(const Level& /*parents*/, const Level& children, std::vector<std::size_t>& kept) override {
-    std::vector<std::size_t> order(children.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return bounds_[i] < bounds_[j]; });
-    for (const std::size_t i : order) {
-      if (kept.size() == width_) break;
-      const std::size_t rivals = std::min(kept.size(), kRivals);
-      const bool beaten = std::any_of(kept.begin(), kept.begin() + static_cast<std::ptrdiff_t>(rivals),
-                                      [&](std::size_t rival) { return dominates(children, rival, i); });
-      if (!beaten) kept.push_back(i);
-      if (kept.size() > kMaximumNodes) {
-        throw std::length_error(
-            "the search keeps more than 100 thousand schedules in one step: take a shorter horizon "
-            "or window, beam or relaxed_dp");
-      }
-    }
-    std::sort(kept.begin(), kept.end());
-    bounds_.clear();
-    --left_;
-  }
-
  private:
-  bool loses(double bound) const { return bound > at_hand_ * (1.0 + kRounding); }
-
   /// The Riccati-monotone bound: the looks of all sensors in all steps that are left.
-  double bound_with_all(const Node& node) {
-    double cost = node.cost + (left_ - 1) * cheapest_use_;
-    covariance_.assign(node.covariance, node.covariance + tree_.riccati().size());
-    for (int step = 1; step < left_ && !loses(cost); ++step) {
+  double bound_with_all(const Node& node, int left, double enough) {
+    double cost = node.cost + left * cheapest_use_;
+    covariance_.assign(node.state, node.state + tree_.riccati().size());
+    for (int step = 0; step < left && cost <= enough; ++step) {
       tree_.riccati().step_with_all(covariance_.data(), covariance_.data());
       cost += tree_.trace_weight() * tree_.riccati().trace(covariance_.data());
     }
     return cost;
-  }
-
-  bool dominates(const Level& level, std::size_t a, std::size_t b) const {
-    const Node rival = level[a];
-    const Node node = level[b];
-    // A later one must win by more than what ties.
-    const double slack = a < b ? kTie * node.cost : -10.0 * kTie * at_hand_;
-    if (!(rival.cost <= node.cost + slack)) return false;
-    if (!no_more_looks(tree_.problem(), rival.looks, node.looks)) return false;
-    for (int block = 0; block < tree_.riccati().blocks(); ++block) {
-      if (!below(rival.covariance, node.covariance, block)) return false;
-    }
-    return true;
   }
 
   /// Loewner order of one block, within rounding relative to its trace.
@@ -111,11 +68,7 @@ class BoundPruning final : public Pruning {
 
   SearchTree& tree_;
   TimeSharing& sharing_;
-  int left_;  // steps from the parents' level
-  double at_hand_;
-  std::size_t width_;
   double cheapest_use_ = std::numeric_limits<double>::infinity();
-  std::vector<double> bounds_;  // of the children stored so far
   std::vector<double> covariance_;
 };
 
@@ -127,12 +80,15 @@ std::vector<int> best_of_tree(SearchTree& tree, const Level& root, int steps, Pr
 std::vector<int> best_of_sum(SearchTree& tree, const Level& root, int steps) {
   constexpr double kNothing = std::numeric_limits<double>::max();
   TimeSharing sharing(tree, root[0], steps);
-  BoundPruning guided(tree, sharing, steps, kNothing, kGuideWidth);
-  const Level at_hand = tree.grow(root, steps, guided);
-  BoundPruning exact(tree, sharing, steps, at_hand[cheapest(at_hand)].cost, std::numeric_limits<std::size_t>::max());
-  const Level last = tree.grow(root, steps, exact);
+  SumBounds bounds(tree, sharing);
+  search::BoundPruning<double> pruning(bounds, kRivals);
+  pruning.begin(steps, kNothing, kGuideWidth);
+  const Level at_hand = tree.grow(root, steps, pruning);
+  const std::vector<int> best = tree.schedule(at_hand[cheapest(at_hand)]);
+  pruning.begin(steps, at_hand[cheapest(at_hand)].cost);
+  const Level last = tree.grow(root, steps, pruning);
   // None left: rounding of a bound has dropped the schedule at hand, and with it all that cost less by no more.
-  return last.size() > 0 ? tree.schedule(last[cheapest(last)]) : tree.schedule(at_hand[cheapest(at_hand)]);
+  return last.size() > 0 ? tree.schedule(last[cheapest(last)]) : best;
 }
 
 /// The end of a schedule, in the order of its steps.
@@ -148,7 +104,7 @@ class SuffixSearch {
       : tree_(tree), root_(root[0]), depth_(root.depth()), steps_(steps) {
     BeamPruning beam(kGuideWidth);
     best_ = best_of_tree(tree, root, steps, beam);
-    std::vector<double> covariance(root_.covariance, root_.covariance + tree.riccati().size());
+    std::vector<double> covariance(root_.state, root_.state + tree.riccati().size());
     std::vector<std::uint16_t> looks(root_.looks.begin(), root_.looks.end());
     lowest_.push_back(covariance);
     at_hand_.push_back(covariance);
@@ -248,7 +204,7 @@ class SuffixSearch {
 std::vector<int> best_schedule(SearchTree& tree, const Level& root, int steps) {
   const Problem& problem = tree.problem();
   if (std::pow(problem.sensor_count() + (problem.allow_idle ? 1 : 0), steps) <= kSmallTree) {
-    Everything everything;
+    search::Everything<double> everything;
     return best_of_tree(tree, root, steps, everything);
   }
   if (problem.objective == Objective::kSum) return best_of_sum(tree, root, steps);

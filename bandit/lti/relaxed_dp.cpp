@@ -25,7 +25,7 @@ class RelaxedPruning final : public Pruning {
     std::vector<std::vector<double>> up(children.size(), std::vector<double>(upper_.size()));
     std::vector<double> trace(children.size());
     for (std::size_t i = 0; i < children.size(); ++i) {
-      upper_.step(parents[children[i].parent].covariance, children[i].choice, up[i].data());
+      upper_.step(parents[children[i].parent].state, children[i].choice, up[i].data());
       trace[i] = upper_.trace(up[i].data());
     }
     std::vector<std::size_t> order(children.size());
@@ -37,7 +37,7 @@ class RelaxedPruning final : public Pruning {
           budgets_ ? covered_within_budgets(children, kept, i, up[i]) : cover.covers(up[i], kCoverTolerance);
       if (superfluous) continue;
       kept.push_back(i);
-      cover.add(std::span(children[i].covariance, up[i].size()));
+      cover.add(std::span(children[i].state, up[i].size()));
       if (kept.size() > kMaximumSet) break;
     }
     std::sort(kept.begin(), kept.end());
@@ -54,7 +54,7 @@ class RelaxedPruning final : public Pruning {
     LoewnerCover cover(block_sizes_);
     for (const std::size_t i : kept) {
       if (no_more_looks(problem_, children[i].looks, children[candidate].looks)) {
-        cover.add(std::span(children[i].covariance, up.size()));
+        cover.add(std::span(children[i].state, up.size()));
       }
     }
     return cover.covers(up, kCoverTolerance);

@@ -69,7 +69,7 @@ void TimeSharing::aim(const Node& node, int steps) {
   const bool limited = std::any_of(left.begin(), left.end(), [&](double l) { return l < steps; });
   Eigen::MatrixXd q = Eigen::MatrixXd::Constant(choices(), steps, 1.0 / choices());
   share(q);
-  cost(node.covariance, steps, gradient_);
+  cost(node.state, steps, gradient_);
   const double rho = gradient_.cwiseAbs().maxCoeff() / steps + std::numeric_limits<double>::min();
   Eigen::VectorXd lambda = Eigen::VectorXd::Zero(choices());
   for (int round = 0; round < (limited ? kBudgetRounds : 1); ++round) {
@@ -79,7 +79,7 @@ void TimeSharing::aim(const Node& node, int steps) {
     q = descend(
         [&](const Eigen::MatrixXd& shares, Eigen::MatrixXd& gradient) {
           share(shares);
-          double value = cost(node.covariance, steps, gradient);
+          double value = cost(node.state, steps, gradient);
           for (int c = 0; limited && c < choices(); ++c) {
             const double push = pressure(shares, c);
             value += 0.5 * (push * push - lambda[c] * lambda[c]) / rho;
@@ -155,7 +155,7 @@ double TimeSharing::cost_of_block(int block, const double* covariance, int steps
 
 double TimeSharing::bound(const Node& node, int steps) {
   if (steps == 0) return 0.0;
-  const double value = cost(node.covariance, steps, gradient_);
+  const double value = cost(node.state, steps, gradient_);
   const double at_shares = gradient_.cwiseProduct(shares_.rightCols(steps)).sum();
   return value - at_shares + assignment_bound(gradient_, looks_left(node));
 }

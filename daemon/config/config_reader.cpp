@@ -69,8 +69,11 @@ class ConfigReader {
       }
       engine_.sensors.push_back(std::move(sensor));
     };
-    for (int i = 0; i < radars; ++i) add("radar", i, read_radar(top_.element("radar", i)));
-    for (int i = 0; i < linear; ++i) add("linear_sensor", i, read_linear_sensor(top_.element("linear_sensor", i)));
+    const Duration period = engine_.scan_period;
+    for (int i = 0; i < radars; ++i) add("radar", i, read_radar(top_.element("radar", i), period));
+    for (int i = 0; i < linear; ++i) {
+      add("linear_sensor", i, read_linear_sensor(top_.element("linear_sensor", i), period));
+    }
     top_.integer("looks_per_scan", 1, std::max(1, radars + linear), engine_.looks_per_scan);
   }
 

@@ -28,6 +28,49 @@ PolicySettings read(FieldReader in, SaImmSettings settings, int /*sensors*/) {
 
 PolicySettings read(FieldReader /*in*/, BhattacharyyaSettings settings, int /*sensors*/) { return settings; }
 
+void read_horizon(FieldReader& in, const char* field, int& scans) {
+  in.integer(field, 1, PredictedPaths::kMostScans, scans);
+}
+
+PolicySettings read(FieldReader in, RandomSettings settings, int /*sensors*/) {
+  in.choice("q", settings.q);
+  read_horizon(in, "horizon", settings.horizon);
+  return settings;
+}
+
+PolicySettings read(FieldReader in, WindowSettings settings, int /*sensors*/) {
+  read_horizon(in, "d", settings.d);
+  return settings;
+}
+
+PolicySettings read(FieldReader in, ThresholdSettings settings, int /*sensors*/) {
+  in.number("f", within(1.0, 1e9), 1.0, settings.f);
+  read_horizon(in, "horizon", settings.horizon);
+  return settings;
+}
+
+PolicySettings read(FieldReader in, RelaxedDpSettings settings, int /*sensors*/) {
+  in.number("alpha", within(1.0, 1e3), 1.0, settings.alpha);
+  read_horizon(in, "horizon", settings.horizon);
+  return settings;
+}
+
+PolicySettings read(FieldReader in, BeamSettings settings, int /*sensors*/) {
+  in.integer("width", 1, 10'000, settings.width);
+  read_horizon(in, "horizon", settings.horizon);
+  return settings;
+}
+
+PolicySettings read(FieldReader in, OptimumSettings settings, int /*sensors*/) {
+  read_horizon(in, "horizon", settings.horizon);
+  return settings;
+}
+
+PolicySettings read(FieldReader in, LookAheadSettings settings, int /*sensors*/) {
+  in.integer("depth", 1, LookAhead::kMostDepth, settings.depth);
+  return settings;
+}
+
 /// One row for each policy: the field of dwell.v1.Policy, what it does, and how its message is read.
 struct Row {
   const char* field;
@@ -47,6 +90,13 @@ constexpr Row kRows[] = {
      read_row<LargestVarianceSettings>},
     {"sa_imm", "the least expected cost one step ahead", read_row<SaImmSettings>},
     {"bhattacharyya", "the least bound on mode errors", read_row<BhattacharyyaSettings>},
+    {"random", "pairs at random, with probabilities of a small bound", read_row<RandomSettings>},
+    {"window", "the best schedule of the next d scans", read_row<WindowSettings>},
+    {"threshold", "the best of the schedules that stay within a factor of the cheapest", read_row<ThresholdSettings>},
+    {"relaxed_dp", "a plan within alpha^2 of the cheapest", read_row<RelaxedDpSettings>},
+    {"beam", "the best schedule of a beam: the one for many tracks", read_row<BeamSettings>},
+    {"optimum", "the best schedule of the horizon, by branch and bound", read_row<OptimumSettings>},
+    {"lookahead", "the least expected cost when later looks follow what is measured", read_row<LookAheadSettings>},
 };
 
 }  // namespace

@@ -14,8 +14,8 @@ namespace dwell {
 /// The sections of a config, one file each in this folder. Each reads its message into the domain struct and leaves
 /// what is wrong with it in the reader's violations.
 
-SensorConfig read_radar(FieldReader in);
-SensorConfig read_linear_sensor(FieldReader in);
+SensorConfig read_radar(FieldReader in, Duration scan_period);
+SensorConfig read_linear_sensor(FieldReader in, Duration scan_period);
 
 /// A bank by name or spelled out; checked against the scan period. `fallback` where the message is empty.
 ModeBank read_bank(FieldReader in, Duration scan_period, const ModeBank& fallback);

@@ -3,8 +3,48 @@
 #include "daemon/config/sections.hpp"
 
 namespace dwell {
+namespace {
 
-SensorConfig read_radar(FieldReader in) {
+BudgetSettings read_budget(FieldReader in, Duration scan_period) {
+  constexpr int kMostLooks = 100'000;
+  BudgetSettings budget;
+  budget.looks = 1;
+  in.required("looks");
+  in.integer("looks", 1, kMostLooks, budget.looks);
+  const bool window = in.has("window_s");
+  if (!window && !in.has("horizon_s")) in.refuse("window_s", "", "one of window_s, horizon_s is required");
+  budget.span = window ? BudgetSettings::Span::kWindow : BudgetSettings::Span::kHorizon;
+  const char* field = window ? "window_s" : "horizon_s";
+  double length_s = 0.0;
+  if (in.has(field)) in.number(field, within(1e-3, 1e6), 1.0, length_s);
+  in.choice("spread", budget.spread);
+  if (length_s == 0.0) return {};  // refused already
+  const Duration length = from_seconds(length_s);
+  if (!is_multiple(length, scan_period)) {
+    in.refuse(field, in.value(field), "must be a whole number of scan periods");
+    return {};
+  }
+  budget.scans = static_cast<int>(length / scan_period);
+  if (budget.looks >= budget.scans) {
+    in.refuse(
+        "looks", in.value("looks"),
+        "must be less than the " + std::to_string(budget.scans) + " scans of " + field + ", or it limits nothing");
+  }
+  return budget;
+}
+
+/// What every sensor has, whatever it measures.
+void read_use(FieldReader& in, Duration scan_period, SensorConfig& sensor) {
+  in.number("usage_cost", cost(), 1.0, sensor.usage_cost);
+  bool down = false;
+  in.flag("down", down);
+  sensor.up = !down;
+  if (in.has("budget")) sensor.budget = read_budget(in.child("budget"), scan_period);
+}
+
+}  // namespace
+
+SensorConfig read_radar(FieldReader in, Duration scan_period) {
   SensorConfig sensor;
   RadarFigures figures;
   in.required("name");
@@ -33,10 +73,7 @@ SensorConfig read_radar(FieldReader in) {
   figures.dwell_azimuth_rad = 3.0 * figures.beamwidth_rad;
   in.number("dwell_azimuth_deg", above(0.0, 180.0), kDegree, figures.dwell_azimuth_rad);
   in.number("dwell_range_m", length_m(), 1.0, figures.dwell_range_m);
-  in.number("usage_cost", cost(), 1.0, sensor.usage_cost);
-  bool down = false;
-  in.flag("down", down);
-  sensor.up = !down;
+  read_use(in, scan_period, sensor);
   // What one look would draw on average; a million is a mistake in the units, and would stop the scan.
   const double false_plots = figures.clutter_density * 4.0 * figures.dwell_range_m * figures.dwell_azimuth_rad;
   if (false_plots > 1e4) {
@@ -47,7 +84,7 @@ SensorConfig read_radar(FieldReader in) {
   return sensor;
 }
 
-SensorConfig read_linear_sensor(FieldReader in) {
+SensorConfig read_linear_sensor(FieldReader in, Duration scan_period) {
   SensorConfig sensor;
   LinearFigures figures;
   in.required("name");
@@ -62,10 +99,7 @@ SensorConfig read_linear_sensor(FieldReader in) {
     if (!is_covariance(figures.r)) in.refuse("r", "", "must be symmetric and positive definite");
   }
   in.number("detection_probability", above(0.0, 1.0), 1.0, figures.detection_probability);
-  in.number("usage_cost", cost(), 1.0, sensor.usage_cost);
-  bool down = false;
-  in.flag("down", down);
-  sensor.up = !down;
+  read_use(in, scan_period, sensor);
   sensor.figures = figures;
   return sensor;
 }

@@ -45,6 +45,7 @@ std::vector<ImmEstimate> run_closed_loop(const ModeBank& bank, UpdateForm update
     feasible.push_back({s, 0});
   }
   const std::vector<double> free_use(sensors.size(), 0.0);
+  const std::vector<SensorState> unlimited(sensors.size());
   std::vector<ImmEstimate> kept;
   Decision decision;
   std::vector<Plot> plots;
@@ -54,7 +55,9 @@ std::vector<ImmEstimate> run_closed_loop(const ModeBank& bank, UpdateForm update
     tracker.predict(tracks[0]);
     if (!tracks[0].alive()) break;
     kept.push_back(tracks[0].estimate);
-    policy.decide({time, 1, update, believed, free_use, tracks, feasible}, decision);
+    const DiscreteBank& moves = tracker.bank();
+    policy.decide({time, 1, update, &moves, stream.fork("policy"), believed, unlimited, free_use, tracks, feasible},
+                  decision);
     const std::size_t s = decision.pair(0).sensor;
     const Dwell dwell{RadarId{static_cast<std::uint32_t>(s + 1)}, TrackId{1}, time, x};
     simulate_look(*sensors[s], dwell, std::vector<TargetTruth>{{TargetId{1}, x}}, stream.fork(s), plots);

@@ -11,21 +11,39 @@
 
 namespace dwell::testing {
 
+/// Modes of constant velocity, each of ten times the noise of the one before, that change once in ten scans.
+inline DiscreteBank plain_bank(int modes) {
+  DiscreteBank bank;
+  double q = 1.0;
+  for (int i = 0; i < modes; ++i, q *= 10.0) {
+    bank.f.push_back(transition(ConstantVelocity{}, 1.0));
+    bank.q.push_back(white_noise(ConstantVelocity{}, q, 1.0));
+  }
+  bank.transition = Eigen::MatrixXd::Constant(modes, modes, modes > 1 ? 0.1 / (modes - 1) : 0.0);
+  bank.transition.diagonal().setConstant(modes > 1 ? 0.9 : 1.0);
+  return bank;
+}
+
 /// What a situation points into: sensors, tracks, and which sensors are up.
 struct Scene {
   std::vector<std::shared_ptr<const Sensor>> owned;
   std::vector<const Sensor*> sensors;
   std::vector<double> usage_cost;
   std::vector<bool> up;
+  std::vector<LookBudget> budgets;
   std::vector<Track> tracks;
+  std::vector<SensorState> states;
   std::vector<Pair> feasible;
   UpdateForm update = UpdateForm::kEkf;
+  DiscreteBank bank;
+  std::uint64_t scans = 0;  // moved on so far
 
   void add_sensor(std::shared_ptr<const Sensor> sensor) {
     sensors.push_back(sensor.get());
     owned.push_back(std::move(sensor));
     usage_cost.push_back(0.0);
     up.push_back(true);
+    budgets.emplace_back();
   }
 
   void add_track(std::uint32_t number, const ImmEstimate& estimate, double weight = 1.0) {
@@ -42,14 +60,29 @@ struct Scene {
     feasible.clear();
     for (std::size_t t = 0; t < tracks.size(); ++t) {
       for (std::size_t s = 0; s < sensors.size(); ++s) {
-        if (up[s] && tracks[t].alive()) feasible.push_back({s, t});
+        if (up[s] && budgets[s].allows() && tracks[t].alive()) feasible.push_back({s, t});
       }
     }
-    return {kStreamStart, looks, update, sensors, usage_cost, tracks, feasible};
+    states.clear();
+    for (std::size_t s = 0; s < sensors.size(); ++s) states.push_back({up[s], budgets[s]});
+    if (!tracks.empty() && bank.size() != tracks.front().estimate.size()) {
+      bank = plain_bank(tracks.front().estimate.size());
+    }
+    return {.time = kStreamStart + std::chrono::seconds(scans),
+            .looks = looks,
+            .update = update,
+            .bank = &bank,
+            .random = RandomStream(1).fork(scans),
+            .sensors = sensors,
+            .states = states,
+            .usage_cost = usage_cost,
+            .tracks = tracks,
+            .feasible = feasible};
   }
 
   /// Something happens: every track grows uncertain, those looked at less so.
   void move_on(const Decision& decision) {
+    ++scans;
     for (Track& track : tracks) {
       for (Gaussian& mode : track.estimate.modes) mode.covariance *= 1.3;
     }

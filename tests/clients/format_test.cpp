@@ -163,10 +163,12 @@ TEST(FormatRadars, LeavesOutWhatASensorDoesNotHave) {
   v1::RadarState& linear = *list.add_radar();
   linear.set_number(2);
   linear.set_name("linear");
+  linear.mutable_budget()->set_looks(10);
+  linear.mutable_budget()->set_left(4);
   const Lines lines = format_radars(list, {});
   ASSERT_EQ(lines.size(), 3u);
-  EXPECT_EQ(lines[1].text, " 1  west    up         8      6    75.0 %  -120.000  0.000");
-  EXPECT_EQ(lines[2].text, " 2  linear  down       0      0         -         -      -");
+  EXPECT_EQ(lines[1].text, " 1  west    up         8      6    75.0 %       -  -120.000  0.000");
+  EXPECT_EQ(lines[2].text, " 2  linear  down       0      0         -  (4/10)         -      -");
 }
 
 TEST(FormatSnapshot, FitsThePageAndCountsTheRest) {

@@ -436,5 +436,17 @@ TEST(EffectiveConfig, SurvivesTheJournal) {
   expect_same_stream(config, again, 200);
 }
 
+TEST(Budget, IsRefusedWhereItCannotBeMeant) {
+  const auto with = [](const std::string& budget) {
+    return refusal_of("radar { name: \"r\" budget { " + budget + " } }\n" + kTarget);
+  };
+  EXPECT_EQ(with("looks: 3 window_s: 10"), "");
+  EXPECT_EQ(with("looks: 3 horizon_s: 10 spread: FREE"), "");
+  EXPECT_THAT(with("window_s: 10"), HasSubstr("budget.looks"));
+  EXPECT_THAT(with("looks: 3"), HasSubstr("one of window_s, horizon_s is required"));
+  EXPECT_THAT(with("looks: 3 window_s: 10.5"), HasSubstr("must be a whole number of scan periods"));
+  EXPECT_THAT(with("looks: 10 window_s: 10"), HasSubstr("must be less than the 10 scans of window_s"));
+}
+
 }  // namespace
 }  // namespace dwell::testing

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <set>
 
 #include "daemon/config/policy_reader.hpp"
@@ -68,6 +69,54 @@ TEST(Engine, SameLookGivesTheSamePlotUnderEveryPolicy) {
     }
   }
   EXPECT_GT(compared, kScans);
+}
+
+std::string with_budgets(std::string config) {
+  const auto add = [&](const std::string& name, const std::string& budget) {
+    config.insert(config.find("name: \"" + name + "\""), "budget { " + budget + " } ");
+  };
+  add("west", "looks: 3 window_s: 10");
+  add("east", "looks: 5 horizon_s: 20 spread: FREE");
+  return config;
+}
+
+/// At most 3 looks of the first radar in any 10 scans, 5 of the second in scans 1 .. 20, 21 .. 40, ..; the link is
+/// never idle: the third radar is free.
+TEST(Engine, BudgetsHoldUnderEveryPolicy) {
+  for (const PolicyDescription& policy : describe_policies(3)) {
+    SCOPED_TRACE(policy.name);
+    Engine engine(engine_config(with_budgets(under(policy.name))));
+    std::vector<int> west, east;
+    for (int scan = 0; scan < 200; ++scan) {
+      const ScanReport& report = engine.scan();
+      ASSERT_EQ(report.looks.size(), 1U);
+      west.push_back(report.looks[0].dwell.radar.number == 1 ? 1 : 0);
+      east.push_back(report.looks[0].dwell.radar.number == 2 ? 1 : 0);
+    }
+    for (std::ptrdiff_t first = 0; first + 10 <= std::ssize(west); ++first) {
+      ASSERT_LE(std::accumulate(west.begin() + first, west.begin() + first + 10, 0), 3) << "from scan " << first + 1;
+    }
+    for (std::ptrdiff_t first = 0; first < std::ssize(east); first += 20) {
+      ASSERT_LE(std::accumulate(east.begin() + first, east.begin() + first + 20, 0), 5) << "from scan " << first + 1;
+    }
+  }
+}
+
+TEST(Engine, BudgetsAreToldToWhoeverAsks) {
+  RecordedRun recorded(config_of(with_budgets(under("sa_imm"))));
+  recorded.scan(30);
+  v1::Request request;
+  request.set_id("1");
+  request.mutable_list_radars();
+  const v1::RadarList list = recorded.run.handle(request).accepted().radar_list();
+  EXPECT_EQ(list.radar(0).budget().looks(), 3U);
+  EXPECT_LE(list.radar(0).budget().left(), 3U);
+  EXPECT_EQ(list.radar(1).budget().looks(), 5U);
+  EXPECT_FALSE(list.radar(2).has_budget());
+  request.set_id("2");
+  request.mutable_get_status();
+  const int waiting = (list.radar(0).budget().due() ? 0 : 1) + (list.radar(1).budget().due() ? 0 : 1);
+  EXPECT_EQ(static_cast<int>(recorded.run.handle(request).accepted().status().radars_over_budget()), waiting);
 }
 
 TEST(Engine, TruthIsTheSameUnderEveryPolicy) {

@@ -104,7 +104,7 @@ TEST_F(RunTest, RetryIsAppliedOnceAndGetsTheSameAnswer) {
   const std::size_t published = recorded.stream.envelopes.size();
   recorded.scan(3);
   for (int i = 0; i < 100; ++i) EXPECT_EQ(ask(message).SerializeAsString(), first);
-  EXPECT_TRUE(recorded.run.engine().sensor_up(0)) << "the second command stands";
+  EXPECT_TRUE(recorded.run.engine().sensor_state(0).up) << "the second command stands";
   recorded.run.scan();
   for (std::size_t i = published; i < recorded.stream.envelopes.size(); ++i) {
     EXPECT_FALSE(recorded.stream.envelopes[i].has_radar_change());
