@@ -131,7 +131,7 @@ void PricedArm::seed() {
     const int next = cycle[(i + 1) % cycle.size()];
     nodes_[static_cast<std::size_t>(cycle[i])] = {true, static_cast<int>(i), next, next};
   }
-  DWELL_ASSERT(evaluate(0.0));
+  evaluate(0.0);
   publish(0.0);
 
   seeds_.push_back(find_or_add(pack_state(arm_.p0)));
@@ -245,23 +245,29 @@ Packed PricedArm::backed_up_weight(std::size_t k) const {
   return l;
 }
 
-/// All L of the controller, to rounding; false where they grow without end.
-bool PricedArm::solve_weights() {
-  constexpr int kMost = 5000;
+/// All L of the controller, to rounding. A loop of plans that never looks at an unstable arm has none: its nodes, and
+/// what leads to them, are not kept.
+void PricedArm::solve_weights() {
+  constexpr int kMost = 3000;
+  constexpr double kConverged = 1e-9;
+  constexpr double kEndless = 1e100;
+  std::vector<double> change(nodes_.size(), 0.0);
   for (int step = 0; step < kMost; ++step) {
-    double change = 0.0;
+    double largest = 0.0;
     for (std::size_t k = 0; k < nodes_.size(); ++k) {
-      if (!nodes_[k].active) continue;
+      if (!nodes_[k].active || change[k] == kEndless) continue;
       const Packed l = backed_up_weight(k);
       const double scale = l.cwiseAbs().maxCoeff();
-      change = std::max(change, (l - weights_.col(static_cast<Eigen::Index>(k))).cwiseAbs().maxCoeff() /
-                                    (scale > 0.0 ? scale : 1.0));
-      weights_.col(static_cast<Eigen::Index>(k)) = l;
+      auto column = weights_.col(static_cast<Eigen::Index>(k));
+      change[k] = (l - column).cwiseAbs().maxCoeff() / (scale > 0.0 ? scale : 1.0);
+      column = l;
+      if (!(scale < kEndless)) change[k] = kEndless;
+      largest = std::max(largest, change[k]);
     }
-    if (change < 1e-13) return true;
-    if (!std::isfinite(change)) return false;
+    if (largest < 1e-13) break;
   }
-  return false;
+  kept_.assign(nodes_.size(), 0);
+  for (std::size_t k = 0; k < nodes_.size(); ++k) kept_[k] = nodes_[k].active && change[k] < kConverged ? 1 : 0;
 }
 
 void PricedArm::immediate() {
@@ -270,7 +276,7 @@ void PricedArm::immediate() {
   work_now_.setZero(count);
   for (Eigen::Index k = 0; k < count; ++k) {
     const Node& node = nodes_[static_cast<std::size_t>(k)];
-    if (!node.active) continue;
+    if (kept_[static_cast<std::size_t>(k)] == 0) continue;
     const double p_d = p_detect(node);
     if (p_d < 1.0) cost_now_[k] += (1.0 - p_d) * discount_ * weights_.col(node.missed).dot(q_);
     if (node.sensor < 0) continue;
@@ -286,17 +292,14 @@ bool PricedArm::deterministic() const {
   });
 }
 
-bool PricedArm::evaluate(double price) {
-  if (!solve_weights()) return false;
+void PricedArm::evaluate(double price) {
+  solve_weights();
   immediate();
-  kept_.assign(nodes_.size(), 0);
-  for (std::size_t k = 0; k < nodes_.size(); ++k) kept_[k] = nodes_[k].active ? 1 : 0;
   if (discount_ == 1.0 && deterministic()) {
     solve_constants_by_cycles(price);
   } else {
     solve_constants_by_sweeps(price);
   }
-  return true;
 }
 
 /// One successor a node: every walk ends in a cycle, whose mean is the gain of all that lead to it.
@@ -307,7 +310,7 @@ void PricedArm::solve_constants_by_cycles(double price) {
   std::vector<std::size_t> walk;
   const auto successor = [&](std::size_t k) { return static_cast<std::size_t>(nodes_[k].detected); };
   for (std::size_t start = 0; start < nodes_.size(); ++start) {
-    if (!nodes_[start].active) continue;
+    if (kept_[start] == 0) continue;
     walk.clear();
     std::size_t k = start;
     while (cycle_of[k] < 0 && walk_of[k] != static_cast<int>(start)) {
@@ -348,7 +351,7 @@ void PricedArm::solve_constants_by_cycles(double price) {
   });
   const double least = mean_.total(price);
   for (std::size_t k = 0; k < nodes_.size(); ++k) {
-    if (!nodes_[k].active) continue;
+    if (kept_[k] == 0) continue;
     const double mean = means[static_cast<std::size_t>(cycle_of[k])].total(price);
     if (mean - least > kSameGain * std::abs(least)) kept_[k] = 0;
   }
@@ -362,11 +365,13 @@ void PricedArm::solve_constants_by_sweeps(double price) {
   const auto count = static_cast<Eigen::Index>(nodes_.size());
   Eigen::VectorXd more_cost = Eigen::VectorXd::Zero(count);
   Eigen::VectorXd more_work = Eigen::VectorXd::Zero(count);
-  const Eigen::Index reference = seeds_.empty() ? 0 : seeds_.front();
+  // A kept node: those of the first cycle are.
+  const Eigen::Index reference = std::find(kept_.begin(), kept_.end(), 1) - kept_.begin();
+  DWELL_ASSERT(reference < count);
   for (int step = 0; step < kMost; ++step) {
     for (Eigen::Index k = 0; k < count; ++k) {
       const Node& node = nodes_[static_cast<std::size_t>(k)];
-      if (!node.active) continue;
+      if (kept_[static_cast<std::size_t>(k)] == 0) continue;
       const double p_d = p_detect(node);
       const auto expected = [&](const Eigen::VectorXd& c) {
         return discount_ * (p_d * c[node.detected] + (1.0 - p_d) * c[node.missed]) - c[k];
@@ -380,7 +385,7 @@ void PricedArm::solve_constants_by_sweeps(double price) {
     double high = -low;
     double scale = 0.0;
     for (Eigen::Index k = 0; k < count; ++k) {
-      if (!nodes_[static_cast<std::size_t>(k)].active) continue;
+      if (kept_[static_cast<std::size_t>(k)] == 0) continue;
       low = std::min(low, more_cost[k] + price * more_work[k]);
       high = std::max(high, more_cost[k] + price * more_work[k]);
       scale = std::max(scale, std::abs(cost_[k] + price * work_[k]));
@@ -410,7 +415,7 @@ PricedValue PricedArm::solve(double price) {
   PricedValue value;
   for (int improvement = 0; improvement < settings_.improvements; ++improvement) {
     const std::size_t changed = follow(price);
-    DWELL_ASSERT(evaluate(price));
+    evaluate(price);
     publish(price);
     const double before = value.total(price);
     value = mean_;

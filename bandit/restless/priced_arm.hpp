@@ -89,9 +89,9 @@ class PricedArm {
   bool choose(std::size_t k, double price);
   std::size_t follow(double price);
   void keep_only(const std::vector<char>& reached);
-  bool evaluate(double price);
+  void evaluate(double price);
   Packed backed_up_weight(std::size_t k) const;
-  bool solve_weights();
+  void solve_weights();
   void immediate();
   bool deterministic() const;
   void solve_constants_by_cycles(double price);
