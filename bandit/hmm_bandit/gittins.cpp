@@ -79,10 +79,10 @@ GittinsResult gittins_index(const Arm& arm, const Eigen::VectorXd& belief, doubl
     for (std::size_t y = 0; y < maps.size(); ++y) {
       const Eigen::MatrixXd values = vectors.transpose() * successors[y];
       for (Eigen::Index point = 0; point < count; ++point) {
-        Eigen::Index best = 0;
-        values.col(point).maxCoeff(&best);
-        g.col(point) += discount * (maps[y].transpose() * set.g.col(best));
-        k.col(point) += discount * (maps[y].transpose() * set.k.col(best));
+        Eigen::Index largest = 0;
+        values.col(point).maxCoeff(&largest);
+        g.col(point) += discount * (maps[y].transpose() * set.g.col(largest));
+        k.col(point) += discount * (maps[y].transpose() * set.k.col(largest));
       }
     }
     // The first point is the belief itself.
