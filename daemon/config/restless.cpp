@@ -7,6 +7,9 @@ namespace {
 constexpr int kMaximumArms = 1000;
 constexpr int kMaximumSensors = 64;
 
+/// Of f: what grows tenfold a scan is no target, and its variance overflows within minutes without a look.
+Range growth() { return within(-10.0, 10.0); }
+
 void read_sensor(FieldReader in, int states, restless::Sensor& sensor) {
   if (states == 1) in.fill_in("h", std::vector<double>{1.0});
   const int count = in.count("h");
@@ -32,7 +35,7 @@ bool read_arm(FieldReader in, restless::Arm& arm) {
     return false;
   }
   if (states == 1) in.fill_in("cost", std::vector<double>{1.0});
-  arm.f = read_matrix(in, "f", entry(), states, states);
+  arm.f = read_matrix(in, "f", growth(), states, states);
   arm.q = read_matrix(in, "q", variance(), states, states);
   arm.cost = read_matrix(in, "cost", entry(), states, states);
   in.number("weight", within(0.0, 1e9), 1.0, arm.weight);

@@ -90,9 +90,9 @@ TEST(PricedArm, ValueIsConcaveAndMonotone) {
     const Matrix a = draw();
     const Matrix b = draw();
     const double scale = std::abs(arm.value().value(a)) + std::abs(arm.value().value(b));
-    EXPECT_GE(arm.value().value(0.5 * (a + b)),
+    EXPECT_GE(arm.value().value(Matrix(0.5 * (a + b))),
               0.5 * (arm.value().value(a) + arm.value().value(b)) - 1e-9 * scale);
-    EXPECT_GE(arm.value().value(a + b), arm.value().value(a) - 1e-9 * scale);
+    EXPECT_GE(arm.value().value(Matrix(a + b)), arm.value().value(a) - 1e-9 * scale);
   }
 }
 
