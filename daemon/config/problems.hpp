@@ -1,7 +1,9 @@
 #pragma once
 
+#include "bandit/hmm_bandit/arm.hpp"
 #include "bandit/hmm_selection/policies.hpp"
 #include "bandit/lti/catalogue.hpp"
+#include "bandit/restless/policy.hpp"
 #include "daemon/config/field_reader.hpp"
 #include "dwell/v1/config.pb.h"
 
@@ -27,5 +29,10 @@ Eigen::MatrixXd read_matrix(FieldReader& in, const char* field, const Range& ran
 int side_of(const FieldReader& in, const char* field);
 
 inline Range entry() { return within(-1e9, 1e9); }
+
+restless::Problem read_restless(FieldReader in);
+restless::PolicySettings read_restless_policy(FieldReader in, v1::RestlessPolicy::KindCase kind);
+
+hmm_bandit::Problem read_hmm_bandit(FieldReader in);
 
 }  // namespace dwell

@@ -11,6 +11,8 @@ constexpr ProblemKind kKinds[] = {
     {"", study_scenario},
     {"lti", study_lti},
     {"hmm_selection", study_hmm_selection},
+    {"restless", study_restless},
+    {"hmm_bandit", study_hmm_bandit},
 };
 
 }  // namespace

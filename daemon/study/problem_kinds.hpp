@@ -45,5 +45,8 @@ std::unique_ptr<StudyReport> study_scenario(ParsedConfig config, const StudyRequ
 std::unique_ptr<StudyReport> study_lti(ParsedConfig config, const StudyRequest& request, const StudyWatch& watch);
 std::unique_ptr<StudyReport> study_hmm_selection(ParsedConfig config, const StudyRequest& request,
                                                  const StudyWatch& watch);
+std::unique_ptr<StudyReport> study_restless(ParsedConfig config, const StudyRequest& request, const StudyWatch& watch);
+std::unique_ptr<StudyReport> study_hmm_bandit(ParsedConfig config, const StudyRequest& request,
+                                              const StudyWatch& watch);
 
 }  // namespace dwell

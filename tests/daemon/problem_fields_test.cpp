@@ -27,6 +27,13 @@ struct Row {
 std::string lti(const std::string& fields) { return "lti { " + fields + " }"; }
 std::string hmm(const std::string& fields) { return "hmm_selection { " + fields + " }"; }
 
+std::string restless(const std::string& fields) { return "restless { " + fields + " }"; }
+std::string bandit(const std::string& fields) { return "hmm_bandit { " + fields + " }"; }
+
+const std::string kArmFields = "arm { f: 1 q: 1 p0: 1 sensor { r: 1 } ";
+const std::string kArm = kArmFields + "} ";
+const std::string kBanditArm =
+    "arm { transition: [1, 0, 0, 1] emission: [1, 1] reward: [0, 1] belief: [.5, .5] } ";
 const std::string kSteps = "horizon: 4 ";
 const std::string kSystem = "a: [1, 0, 0, 1] w: [1, 0, 0, 1] initial_covariance: [1, 0, 0, 1] ";
 const std::string kSensor = "sensor { c: [1, 0] r: [1] } ";
@@ -85,6 +92,50 @@ const std::vector<Row> kRows{
    "must be a whole number from 1 to 1", {"0", "2"}, {"1"}},
   {"HmmWindow.d", hmm(kHmm + "policy { window { d: @ } }"), "hmm_selection.policy[1].window.d",
    "must be a whole number from 1 to 20", {"0", "21"}, {"1", "20"}},
+
+  {"Restless.discount", restless(kArm + "discount: @"), "restless.discount", "must be in (0, 1)",
+   {"nan", "0", "1"}, {"0.01", "0.99"}},
+  {"Restless.looks_per_scan", restless(kArm + "looks_per_scan: @"), "restless.looks_per_scan",
+   "must be a whole number from 1 to 1", {"0", "2"}, {"1"}},
+  {"RestlessArm.f", restless("arm { q: 1 p0: 1 sensor { r: 1 } f: @ }"), "restless.arm[1].f", "must be in [-10, 10]",
+   {"nan", "10.1"}, {"-10", "0", "10"}},
+  {"RestlessArm.q", restless("arm { f: 1 p0: 1 sensor { r: 1 } q: @ }"), "restless.arm[1].q", kVariance,
+   {"nan", "1.1e+18"}, {"0.01", "1e6"}},
+  {"RestlessArm.cost", restless(kArmFields + "cost: @ }"), "restless.arm[1].cost", kEntry, {"nan", "1000000001"},
+   {"1", "1e9"}},
+  {"RestlessArm.weight", restless(kArmFields + "weight: @ }"), "restless.arm[1].weight", "must be in [0, 1000000000]",
+   {"nan", "-1"}, {"1e-3", "1e9"}},
+  {"RestlessArm.dwell", restless(kArmFields + "dwell: @ }"), "restless.arm[1].dwell", "must be in (0, 1000000]",
+   {"nan", "0", "1000001"}, {"0.5", "3"}},
+  {"RestlessArm.p0", restless("arm { f: 1 q: 1 sensor { r: 1 } p0: @ }"), "restless.arm[1].p0", kVariance,
+   {"nan", "1.1e+18"}, {"0.01", "1e6"}},
+  {"RestlessSensor.h", restless("arm { f: 1 q: 1 p0: 1 sensor { r: 1 h: @ } }"), "restless.arm[1].sensor[1].h", kEntry,
+   {"nan", "1000000001"}, {"0.1", "10"}},
+  {"RestlessSensor.r", restless("arm { f: 1 q: 1 p0: 1 sensor { r: @ } }"), "restless.arm[1].sensor[1].r", kVariance,
+   {"nan", "1.1e+18"}, {"0.01", "1e6"}},
+  {"RestlessSensor.p_detect", restless("arm { f: .9 q: 1 p0: 1 sensor { r: 1 p_detect: @ } }"),
+   "restless.arm[1].sensor[1].p_detect", "must be in (0, 1]", {"nan", "0", "1.1"}, {"1"}},
+  {"Fixed.sensor", restless(kArm + "policy { fixed { sensor: @ } }"), "restless.policy[1].fixed.sensor",
+   "must be a whole number from 1 to 64", {"0", "65"}, {"1", "64"}},
+  {"RestlessLookahead.depth", restless(kArm + "policy { lookahead { depth: @ } }"),
+   "restless.policy[1].lookahead.depth", "must be a whole number from 1 to 4", {"0", "5"}, {"1", "4"}},
+  {"Orbit.discount", restless(kArm + "policy { orbit { discount: @ } }"), "restless.policy[1].orbit.discount",
+   "must be in (0, 1)", {"nan", "0", "1"}, {"0.5"}},
+  {"Orbit.steps", restless(kArm + "policy { orbit { steps: @ } }"), "restless.policy[1].orbit.steps",
+   "must be a whole number from 2 to 100000", {"1", "100001"}, {"2"}},
+  {"Index.depth", restless(kArm + "policy { index { depth: @ } }"), "restless.policy[1].index.depth",
+   "must be a whole number from 1 to 3", {"0", "4"}, {"1", "3"}},
+
+  {"HmmBandit.discount", bandit(kBanditArm + "discount: @"), "hmm_bandit.discount", "must be in (0, 1)",
+   {"nan", "0", "1"}, {"0.1", "0.9"}},
+  {"HmmBanditArm.transition", bandit("discount: .9 arm { emission: [1, 1] reward: [0, 1] belief: [.5, .5] transition: [1, 0, @, 1] }"),
+   "hmm_bandit.arm[1].transition", "must be in [0, 1]", {"nan", "-0.1", "1.1"}, {"0"}},
+  {"HmmBanditArm.emission", bandit("discount: .9 arm { transition: [1, 0, 0, 1] reward: [0, 1] belief: [.5, .5] emission: [1, 0, @, 1] }"),
+   "hmm_bandit.arm[1].emission", "must be in [0, 1]", {"nan", "-0.1", "1.1"}, {"0"}},
+  {"HmmBanditArm.reward", bandit("discount: .9 arm { transition: [1, 0, 0, 1] emission: [1, 1] belief: [.5, .5] reward: [0, @] }"),
+   "hmm_bandit.arm[1].reward", kEntry, {"nan", "1000000001"}, {"-1e9", "1e9"}},
+  {"HmmBanditArm.belief", bandit("discount: .9 arm { transition: [1, 0, 0, 1] emission: [1, 1] reward: [0, 1] belief: [1, @] }"),
+   "hmm_bandit.arm[1].belief", "must be in [0, 1]", {"nan", "-0.1", "1.1"}, {"0"}},
 };
 // clang-format on
 

@@ -1,0 +1,105 @@
+#include "bandit/restless/bound.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "bandit/restless/mechanical_word.hpp"
+#include "bandit/restless/scalar_mesh.hpp"
+#include "bandit/restless/whittle.hpp"
+
+namespace dwell::restless {
+namespace {
+
+constexpr int kMeshPoints = 2000;
+/// Idle scans to which the mesh reaches, apart from misses.
+constexpr int kMeshIdle = 300;
+
+bool always_detects(const Arm& arm) {
+  return std::all_of(arm.sensors.begin(), arm.sensors.end(), [](const Sensor& s) { return s.p_detect == 1.0; });
+}
+
+ScalarArm sharpest(const Arm& arm) {
+  ScalarArm best = *scalar_arm(arm, arm.sensors.front());
+  for (const Sensor& sensor : arm.sensors) {
+    const ScalarArm other = *scalar_arm(arm, sensor);
+    if (other.r < best.r) best = other;
+  }
+  return best;
+}
+
+/// Looks from p0 wherever the index is above the price: optimal at the price, with the threshold by bisection.
+PricedValue discounted_threshold_value(const ScalarArm& arm, double p0, double discount, double price) {
+  const int scans = 1 + static_cast<int>(std::ceil(std::log(1e-17) / std::log(discount)));
+  double low = 1e-12 * std::max(p0, arm.q);
+  double high = std::max({p0, arm.q, arm.r});
+  for (int doubling = 0; doubling < 200 && whittle_index(arm, high, discount) < price; ++doubling) high *= 2.0;
+  for (int halving = 0; halving < 100 && high - low > 1e-15 * high; ++halving) {
+    const double middle = 0.5 * (low + high);
+    (whittle_index(arm, middle, discount) < price ? low : high) = middle;
+  }
+  PricedValue value;
+  double power = 1.0;
+  double p = p0;
+  for (int t = 0; t < scans; ++t, power *= discount) {
+    const bool look = p >= high;
+    const double after = look ? arm.after_look(p) : p;
+    value.cost += power * arm.weight * after;
+    if (look) value.usage += power * arm.dwell;
+    p = arm.predict(after);
+  }
+  return value;
+}
+
+double mesh_top(const Arm& arm) {
+  double p = arm.p0(0, 0);
+  const double f2 = arm.f(0, 0) * arm.f(0, 0);
+  const double far = 1e6 * std::max(p, arm.q(0, 0));
+  for (int t = 0; t < kMeshIdle && p < far; ++t) p = std::max(p, f2 * p + arm.q(0, 0));
+  return p;
+}
+
+}  // namespace
+
+Analysis analyse(const Problem& problem) {
+  const std::size_t count = problem.arms.size();
+  const double discount = problem.discount_or_one();
+  const bool scalar = has_scalar_arms(problem);
+  const bool exact = scalar && std::all_of(problem.arms.begin(), problem.arms.end(), always_detects);
+  std::vector<PricedArm> sets;
+  for (const Arm& arm : problem.arms) sets.emplace_back(arm, discount);
+  std::vector<std::unique_ptr<ScalarMesh>> meshes(count);
+  for (std::size_t i = 0; i < count && scalar && !exact; ++i) {
+    const Arm& arm = problem.arms[i];
+    meshes[i] = std::make_unique<ScalarMesh>(arm, discount, mesh_top(arm), kMeshPoints);
+  }
+  const auto solve = [&](std::size_t i, double price) -> PricedValue {
+    const Arm& arm = problem.arms[i];
+    if (!scalar) return sets[i].solve(price);
+    if (!exact) return meshes[i]->solve(price);
+    const ScalarArm best = sharpest(arm);
+    if (problem.discount) return discounted_threshold_value(best, arm.p0(0, 0), discount, price);
+    const RatedCost rated = best_rate(best, price);
+    return {rated.cost, rated.rate * arm.dwell};
+  };
+  const Relaxation relaxation = maximise_over_price(count, relaxed_capacity(problem), price_scale(problem), solve);
+  Analysis analysis;
+  analysis.bound = {relaxation.value,
+                    exact ? BoundKind::kExact : scalar ? BoundKind::kCertified : BoundKind::kReference,
+                    relaxation.price};
+  analysis.priced.price = relaxation.price;
+  for (PricedArm& set : sets) {
+    set.solve(relaxation.price);
+    analysis.priced.values.push_back(set.value());
+  }
+  return analysis;
+}
+
+double advantage(const Problem& problem, const Priced& priced, std::size_t arm, std::size_t sensor) {
+  const Arm& of = problem.arms[arm];
+  const double discount = problem.discount_or_one();
+  const double idle = idle_cost(of, priced.values[arm], discount, of.p0);
+  return idle - look_cost(of, sensor, priced.values[arm], discount, priced.price, of.p0, idle);
+}
+
+}  // namespace dwell::restless

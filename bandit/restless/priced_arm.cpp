@@ -1,0 +1,434 @@
+#include "bandit/restless/priced_arm.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "radar/assert.hpp"
+
+namespace dwell::restless {
+namespace {
+
+/// What counts as a better action, as a part of the values compared: above the rounding of the evaluation.
+constexpr double kBetter = 1e-11;
+/// Means of cycles that differ by less, relative, are one gain.
+constexpr double kSameGain = 1e-11;
+/// How much of a backup goes into a relative value where misses branch.
+constexpr double kLazy = 0.5;
+/// Spread of the gains of all nodes at which those sweeps end, relative.
+constexpr double kSwept = 1e-11;
+/// Change of the value at which improvements may end while a hundredth of the points still waver, relative.
+constexpr double kSettled = 1e-9;
+/// Idle lengths of the seeds' periodic looks.
+constexpr int kSeedPeriods[] = {1, 2, 3, 4, 6, 8, 12, 16, 24};
+
+}  // namespace
+
+PricedArm::PricedArm(const Arm& arm, double discount, const PricedArmSettings& settings)
+    : arm_(arm),
+      discount_(discount),
+      settings_(settings),
+      idle_map_(congruence(arm.f)),
+      q_(pack_state(arm.q)),
+      scan_cost_(pack_weight(arm.weight * arm.cost)) {
+  const bool misses = std::any_of(arm.sensors.begin(), arm.sensors.end(), [](const Sensor& s) { return s.p_detect < 1.0; });
+  same_point_ = misses ? settings.same_point_with_misses : settings.same_point;
+  seed();
+}
+
+double PricedArm::p_detect(const Node& node) const {
+  return node.sensor < 0 ? 0.0 : arm_.sensors[static_cast<std::size_t>(node.sensor)].p_detect;
+}
+
+const PricedArm::LookMap& PricedArm::look_of(std::size_t k) const {
+  return points_[k].looks[static_cast<std::size_t>(nodes_[k].sensor)];
+}
+
+void PricedArm::add_seed(const Matrix& predicted) { seeds_.push_back(find_or_add(pack_state(predicted))); }
+
+/// The point that is the same covariance; -1: none.
+int PricedArm::find(const Packed& p) const {
+  const Eigen::Index n = arm_.states();
+  double sigma[kMaximumStates];
+  Eigen::Index at = 0;
+  for (Eigen::Index j = 0; j < n; at += n - j, ++j) sigma[j] = std::sqrt(p[at]);
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    const Packed& other = points_[k].p;
+    bool same = true;
+    at = 0;
+    for (Eigen::Index j = 0; same && j < n; ++j) {
+      for (Eigen::Index i = j; same && i < n; ++i, ++at) {
+        same = std::abs(other[at] - p[at]) <= same_point_ * sigma[i] * sigma[j];
+      }
+    }
+    if (same) return static_cast<int>(k);
+  }
+  return -1;
+}
+
+int PricedArm::find_or_add(const Packed& p) {
+  const int found = find(p);
+  if (found >= 0) return found;
+  Point point{p, idle_map_ * p + q_, {}};
+  const Matrix predicted = unpack_state(p, arm_.states());
+  for (const Sensor& sensor : arm_.sensors) {
+    const LookUpdate look = look_update(sensor, predicted);
+    LookMap map;
+    map.after = congruence(arm_.f * look.a);
+    map.after_noise = pack_state(restless::predict(arm_, look.noise));
+    map.cost = congruence(look.a).transpose() * scan_cost_;
+    map.cost_noise = scan_cost_.dot(pack_state(look.noise));
+    map.successor = pack_state(restless::predict(arm_, look.covariance));
+    point.looks.push_back(std::move(map));
+  }
+  points_.push_back(std::move(point));
+  nodes_.emplace_back();
+  const auto count = static_cast<Eigen::Index>(points_.size());
+  if (weights_.cols() < count) {
+    weights_.conservativeResize(q_.size(), 2 * count);
+    cost_.conservativeResize(2 * count);
+    work_.conservativeResize(2 * count);
+  }
+  weights_.col(count - 1).setZero();
+  cost_[count - 1] = work_[count - 1] = 0.0;
+  return static_cast<int>(count) - 1;
+}
+
+/// The point of a covariance that a node leads to; once the points are all given, the active one whose plan costs least
+/// from there.
+int PricedArm::node_at(const Packed& p) {
+  const int found = find(p);
+  if (found >= 0) return found;
+  if (static_cast<int>(points_.size()) < settings_.maximum_points) return find_or_add(p);
+  int nearest = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    const double apart = (points_[k].p - p).squaredNorm();
+    if (apart < least) {
+      least = apart;
+      nearest = static_cast<int>(k);
+    }
+  }
+  return nearest;
+}
+
+/// The first V is that of looks with every sensor in turn, without a pause: stable wherever some policy is. The seeds
+/// are the start and what periodic looks with longer and longer pauses pass.
+void PricedArm::seed() {
+  const std::size_t sensors = arm_.sensors.size();
+  Matrix p = all_looks_covariance(arm_);
+  for (int turn = 0; turn < 300; ++turn) {
+    for (const Sensor& sensor : arm_.sensors) p = restless::predict(arm_, look_update(sensor, p).covariance);
+  }
+  std::vector<int> cycle;
+  for (const Sensor& sensor : arm_.sensors) {
+    const int k = find_or_add(pack_state(p));
+    if (!cycle.empty() && k <= cycle.back()) break;  // sensors that are alike: one stands for them
+    cycle.push_back(k);
+    p = restless::predict(arm_, look_update(sensor, p).covariance);
+  }
+  for (std::size_t i = 0; i < cycle.size(); ++i) {
+    const int next = cycle[(i + 1) % cycle.size()];
+    nodes_[static_cast<std::size_t>(cycle[i])] = {true, static_cast<int>(i), next, next};
+  }
+  evaluate(0.0);
+  publish(0.0);
+
+  seeds_.push_back(find_or_add(pack_state(arm_.p0)));
+  for (std::size_t s = 0; s < sensors; ++s) {
+    for (const int period : kSeedPeriods) {
+      for (int turn = 0; turn < 2; ++turn) {
+        for (int t = 0; t < period; ++t) {
+          if (t > 0) p = restless::predict(arm_, p);
+          if (turn == 1 && (t + 1 == period || (t & (t - 1)) == 0)) seeds_.push_back(find_or_add(pack_state(p)));
+        }
+        p = restless::predict(arm_, look_update(arm_.sensors[s], p).covariance);
+      }
+    }
+  }
+}
+
+/// One scan's cost, what follows by V and the look's price; `idle` is that of the idle action.
+double PricedArm::action_cost(const Point& point, int sensor, double idle, double price) const {
+  const LookMap& look = point.looks[static_cast<std::size_t>(sensor)];
+  const double p_d = arm_.sensors[static_cast<std::size_t>(sensor)].p_detect;
+  const double seen = look.cost.dot(point.p) + look.cost_noise + discount_ * value_.value(look.successor);
+  return p_d * seen + (1.0 - p_d) * idle + price * arm_.dwell;
+}
+
+/// Gives the node its best action and finds its successors. Whether its action changed.
+bool PricedArm::choose(std::size_t k, double price) {
+  const bool was_active = nodes_[k].active;
+  const int before = nodes_[k].sensor;
+  const double idle = scan_cost_.dot(points_[k].p) + discount_ * value_.value(points_[k].idle_successor);
+  double least = idle;
+  double kept = idle;
+  int best = -1;
+  for (int s = 0; s < static_cast<int>(arm_.sensors.size()); ++s) {
+    const double cost = action_cost(points_[k], s, idle, price);
+    if (s == before) kept = cost;
+    if (cost < least) {
+      least = cost;
+      best = s;
+    }
+  }
+  if (was_active && least >= kept - kBetter * std::abs(kept)) best = before;
+  Node node{true, best, 0, 0};
+  const double p_d = best < 0 ? 0.0 : arm_.sensors[static_cast<std::size_t>(best)].p_detect;
+  // Copies: a new point may move the old ones.
+  const Packed idle_successor = points_[k].idle_successor;
+  if (p_d > 0.0) {
+    const Packed detected = points_[k].looks[static_cast<std::size_t>(best)].successor;
+    node.detected = node_at(detected);
+  }
+  node.missed = p_d < 1.0 ? node_at(idle_successor) : node.detected;
+  if (p_d == 0.0) node.detected = node.missed;
+  nodes_[k] = node;
+  return !was_active || best != before;
+}
+
+/// The greedy policy's graph from all seeds; what it does not reach is forgotten. How many actions changed.
+std::size_t PricedArm::follow(double price) {
+  std::vector<char> reached(points_.size(), 0);
+  std::vector<int> open = seeds_;
+  for (const int k : open) reached[static_cast<std::size_t>(k)] = 1;
+  std::size_t changed = 0;
+  while (!open.empty()) {
+    const auto k = static_cast<std::size_t>(open.back());
+    open.pop_back();
+    if (choose(k, price)) ++changed;
+    reached.resize(points_.size(), 0);
+    for (const int next : {nodes_[k].detected, nodes_[k].missed}) {
+      char& seen = reached[static_cast<std::size_t>(next)];
+      if (seen == 0) open.push_back(next);
+      seen = 1;
+    }
+  }
+  keep_only(reached);
+  return changed;
+}
+
+void PricedArm::keep_only(const std::vector<char>& reached) {
+  std::vector<int> place(points_.size(), -1);
+  int count = 0;
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    if (reached[k] == 0) continue;
+    const auto to = static_cast<std::size_t>(count);
+    if (to != k) {
+      points_[to] = std::move(points_[k]);
+      nodes_[to] = nodes_[k];
+      weights_.col(count) = weights_.col(static_cast<Eigen::Index>(k));
+      cost_[count] = cost_[static_cast<Eigen::Index>(k)];
+      work_[count] = work_[static_cast<Eigen::Index>(k)];
+    }
+    place[k] = count++;
+  }
+  points_.resize(static_cast<std::size_t>(count));
+  nodes_.resize(static_cast<std::size_t>(count));
+  for (Node& node : nodes_) {
+    node.detected = place[static_cast<std::size_t>(node.detected)];
+    node.missed = place[static_cast<std::size_t>(node.missed)];
+  }
+  for (int& seed : seeds_) seed = place[static_cast<std::size_t>(seed)];
+}
+
+/// The weights that a node's action and successors give it, from theirs.
+Packed PricedArm::backed_up_weight(std::size_t k) const {
+  const Node& node = nodes_[k];
+  const double p_d = p_detect(node);
+  Packed l = Packed::Zero(q_.size());
+  if (p_d < 1.0) l = (1.0 - p_d) * (scan_cost_ + discount_ * (idle_map_.transpose() * weights_.col(node.missed)));
+  if (p_d > 0.0) {
+    const LookMap& look = look_of(k);
+    l += p_d * (look.cost + discount_ * (look.after.transpose() * weights_.col(node.detected)));
+  }
+  return l;
+}
+
+/// All L of the controller, to rounding. A loop of plans that never looks at an unstable arm has none: its nodes, and
+/// what leads to them, are not kept.
+void PricedArm::solve_weights() {
+  constexpr int kMost = 3000;
+  constexpr double kConverged = 1e-9;
+  constexpr double kEndless = 1e100;
+  std::vector<double> change(nodes_.size(), 0.0);
+  for (int step = 0; step < kMost; ++step) {
+    double largest = 0.0;
+    for (std::size_t k = 0; k < nodes_.size(); ++k) {
+      if (!nodes_[k].active || change[k] == kEndless) continue;
+      const Packed l = backed_up_weight(k);
+      const double scale = l.cwiseAbs().maxCoeff();
+      auto column = weights_.col(static_cast<Eigen::Index>(k));
+      change[k] = (l - column).cwiseAbs().maxCoeff() / (scale > 0.0 ? scale : 1.0);
+      column = l;
+      if (!(scale < kEndless)) change[k] = kEndless;
+      largest = std::max(largest, change[k]);
+    }
+    if (largest < 1e-13) break;
+  }
+  kept_.assign(nodes_.size(), 0);
+  for (std::size_t k = 0; k < nodes_.size(); ++k) kept_[k] = nodes_[k].active && change[k] < kConverged ? 1 : 0;
+}
+
+void PricedArm::immediate() {
+  const auto count = static_cast<Eigen::Index>(nodes_.size());
+  cost_now_.setZero(count);
+  work_now_.setZero(count);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const Node& node = nodes_[static_cast<std::size_t>(k)];
+    if (kept_[static_cast<std::size_t>(k)] == 0) continue;
+    const double p_d = p_detect(node);
+    if (p_d < 1.0) cost_now_[k] += (1.0 - p_d) * discount_ * weights_.col(node.missed).dot(q_);
+    if (node.sensor < 0) continue;
+    const LookMap& look = look_of(static_cast<std::size_t>(k));
+    cost_now_[k] += p_d * (look.cost_noise + discount_ * weights_.col(node.detected).dot(look.after_noise));
+    work_now_[k] = arm_.dwell;
+  }
+}
+
+bool PricedArm::deterministic() const {
+  return std::all_of(nodes_.begin(), nodes_.end(), [&](const Node& node) {
+    return !node.active || node.sensor < 0 || p_detect(node) == 1.0;
+  });
+}
+
+void PricedArm::evaluate(double price) {
+  solve_weights();
+  immediate();
+  if (discount_ == 1.0 && deterministic()) {
+    solve_constants_by_cycles(price);
+  } else {
+    solve_constants_by_sweeps(price);
+  }
+}
+
+/// One successor a node: every walk ends in a cycle, whose mean is the gain of all that lead to it.
+void PricedArm::solve_constants_by_cycles(double price) {
+  std::vector<int> cycle_of(nodes_.size(), -1);
+  std::vector<int> walk_of(nodes_.size(), -1);
+  std::vector<PricedValue> means;
+  std::vector<std::size_t> walk;
+  const auto successor = [&](std::size_t k) { return static_cast<std::size_t>(nodes_[k].detected); };
+  for (std::size_t start = 0; start < nodes_.size(); ++start) {
+    if (kept_[start] == 0) continue;
+    walk.clear();
+    std::size_t k = start;
+    while (cycle_of[k] < 0 && walk_of[k] != static_cast<int>(start)) {
+      walk_of[k] = static_cast<int>(start);
+      walk.push_back(k);
+      k = successor(k);
+    }
+    if (cycle_of[k] < 0) {  // a new cycle, through k: there the value is 0
+      PricedValue mean;
+      int length = 0;
+      std::size_t j = k;
+      do {
+        mean.cost += cost_now_[static_cast<Eigen::Index>(j)];
+        mean.usage += work_now_[static_cast<Eigen::Index>(j)];
+        ++length;
+        j = successor(j);
+      } while (j != k);
+      mean.cost /= length;
+      mean.usage /= length;
+      cycle_of[k] = static_cast<int>(means.size());
+      means.push_back(mean);
+      const auto at = static_cast<Eigen::Index>(k);
+      cost_[at] = -weights_.col(at).dot(points_[k].p);
+      work_[at] = 0.0;
+    }
+    for (auto node = walk.rbegin(); node != walk.rend(); ++node) {
+      if (cycle_of[*node] >= 0) continue;
+      const std::size_t next = successor(*node);
+      cycle_of[*node] = cycle_of[next];
+      const PricedValue& mean = means[static_cast<std::size_t>(cycle_of[next])];
+      const auto at = static_cast<Eigen::Index>(*node);
+      cost_[at] = cost_now_[at] - mean.cost + cost_[static_cast<Eigen::Index>(next)];
+      work_[at] = work_now_[at] - mean.usage + work_[static_cast<Eigen::Index>(next)];
+    }
+  }
+  mean_ = *std::min_element(means.begin(), means.end(), [&](const PricedValue& a, const PricedValue& b) {
+    return a.total(price) < b.total(price);
+  });
+  const double least = mean_.total(price);
+  for (std::size_t k = 0; k < nodes_.size(); ++k) {
+    if (kept_[k] == 0) continue;
+    const double mean = means[static_cast<std::size_t>(cycle_of[k])].total(price);
+    if (mean - least > kSameGain * std::abs(least)) kept_[k] = 0;
+  }
+}
+
+/// The same where a node has two successors, by (lazy) value iteration of the fixed controller.
+void PricedArm::solve_constants_by_sweeps(double price) {
+  constexpr int kMost = 20'000;
+  const bool average = discount_ == 1.0;
+  const double mix = average ? kLazy : 1.0;
+  const auto count = static_cast<Eigen::Index>(nodes_.size());
+  Eigen::VectorXd more_cost = Eigen::VectorXd::Zero(count);
+  Eigen::VectorXd more_work = Eigen::VectorXd::Zero(count);
+  // A kept node: those of the first cycle are.
+  const Eigen::Index reference = std::find(kept_.begin(), kept_.end(), 1) - kept_.begin();
+  DWELL_ASSERT(reference < count);
+  for (int step = 0; step < kMost; ++step) {
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const Node& node = nodes_[static_cast<std::size_t>(k)];
+      if (kept_[static_cast<std::size_t>(k)] == 0) continue;
+      const double p_d = p_detect(node);
+      const auto expected = [&](const Eigen::VectorXd& c) {
+        return discount_ * (p_d * c[node.detected] + (1.0 - p_d) * c[node.missed]) - c[k];
+      };
+      more_cost[k] = cost_now_[k] + expected(cost_);
+      more_work[k] = work_now_[k] + expected(work_);
+    }
+    cost_.head(count) += mix * more_cost;
+    work_.head(count) += mix * more_work;
+    double low = std::numeric_limits<double>::infinity();
+    double high = -low;
+    double scale = 0.0;
+    for (Eigen::Index k = 0; k < count; ++k) {
+      if (kept_[static_cast<std::size_t>(k)] == 0) continue;
+      low = std::min(low, more_cost[k] + price * more_work[k]);
+      high = std::max(high, more_cost[k] + price * more_work[k]);
+      scale = std::max(scale, std::abs(cost_[k] + price * work_[k]));
+    }
+    if (average) {
+      mean_ = {more_cost[reference], more_work[reference]};
+      cost_.head(count).array() -= cost_[reference];
+      work_.head(count).array() -= work_[reference];
+      if (high - low <= kSwept * std::abs(high)) break;
+    } else if (std::max(-low, high) <= 1e-15 * scale) {
+      break;
+    }
+  }
+}
+
+void PricedArm::publish(double price) {
+  std::vector<Eigen::Index> kept;
+  for (std::size_t k = 0; k < kept_.size(); ++k) {
+    if (kept_[k] != 0) kept.push_back(static_cast<Eigen::Index>(k));
+  }
+  published_cost_ = cost_(kept);
+  published_work_ = work_(kept);
+  value_ = ValueSet(weights_(Eigen::all, kept), published_cost_ + price * published_work_);
+}
+
+PricedValue PricedArm::solve(double price) {
+  PricedValue value;
+  for (int improvement = 0; improvement < settings_.improvements; ++improvement) {
+    const std::size_t changed = follow(price);
+    evaluate(price);
+    publish(price);
+    const double before = value.total(price);
+    value = mean_;
+    if (discount_ < 1.0) {
+      const Packed start = pack_state(arm_.p0);
+      const Eigen::Index plan = value_.best_plan(start);
+      value = {value_.weights().col(plan).dot(start) + published_cost_[plan], published_work_[plan]};
+    }
+    if (changed == 0) break;
+    const bool settled = std::abs(value.total(price) - before) <= kSettled * std::abs(before);
+    if (settled && 100 * changed < points_.size()) break;
+  }
+  return value;
+}
+
+}  // namespace dwell::restless

@@ -1,0 +1,120 @@
+#pragma once
+
+#include <vector>
+
+#include "bandit/restless/value_set.hpp"
+
+namespace dwell::restless {
+
+/// The best that one arm can do when every look costs price x dwell.
+struct PricedValue {
+  double cost = 0.0;   ///< average a scan, or discounted from p0; without what the looks cost
+  double usage = 0.0;  ///< dwell: average a scan, or discounted from p0
+
+  double total(double price) const { return cost + price * usage; }
+};
+
+struct PricedArmSettings {
+  int maximum_points = 2000;
+  int improvements = 60;  ///< of the policy; a dozen is usual
+  /// Covariances this close, relative to their standard deviations, are one point. Plans are tangents of V: what is
+  /// lost is of second order. Where misses branch, the coarser one keeps the points few.
+  double same_point = 1e-3;
+  double same_point_with_misses = 2e-3;
+};
+
+/// Solves one arm at a price by point-based policy iteration over alpha-matrices.
+///
+/// A node is a covariance P_k, an action (idle, or a sensor with the gain K that is right at P_k) and the nodes where a
+/// detection and a miss lead. Its plan costs <L_k, P> + c_k from any P:
+///
+///   look branch   L1 = A' E1 A,  c1 = <K R K', E1> + b (<L_j1, Q> + c_j1),   E1 = w C + b F' L_j1 F,  A = I - K H
+///   idle branch   L0 = w C + b F' L_j0 F,                 c0 = b (<L_j0, Q> + c_j0)
+///   node          L = P_d L1 + (1 - P_d) L0,   c likewise + price dwell
+///
+/// 1. Follow: from the start and from the seeds, take the action that is best before the present V, and go where it
+///    leads, until all lead to nodes that are there. The points are closed under the greedy policy, as they must be:
+///    a fixed cloud gives a wrong gain.
+/// 2. Evaluate: solve the equations above for all nodes. L is the limit of a contraction. c: discounted the same;
+///    average (b = 1), every walk ends in a cycle that has a mean, and where misses branch, by lazy sweeps
+///    (mix .5: a periodic optimum makes plain ones oscillate). Parts that stay worse than others are dropped.
+/// 3. V is the least of the plans. Again until no action changes.
+///
+/// The result is the cost of a policy that can be carried out, so an upper bound of the optimum at the price.
+/// Average cost: V is relative, 0 on average over nothing in particular; the mean is in the PricedValue.
+/// One arm's points serve all prices, and the last V starts the next price.
+/// Source   Sondik (1978), Hansen (1998), Pineau et al. (2003) for beliefs; covariances, P_d and several sensors: ours.
+class PricedArm {
+ public:
+  /// `discount` 1 means average cost.
+  PricedArm(const Arm& arm, double discount, const PricedArmSettings& settings = {});
+
+  PricedValue solve(double price);
+
+  /// Of the last price.
+  const ValueSet& value() const { return value_; }
+  const Arm& arm() const { return arm_; }
+  std::size_t points() const { return points_.size(); }
+  /// Makes the covariance a seed, so that V is exact there too; counts from the next `solve` on.
+  void add_seed(const Matrix& predicted);
+
+ private:
+  /// What a look with one sensor does at one point, in packed form.
+  struct LookMap {
+    PackedMap after;     // P -> (F A) P (F A)'
+    Packed after_noise;  // F K R K' F' + Q
+    Packed cost;         // of the scan, weight form
+    double cost_noise;
+    Packed successor;    // predicted covariance after a detection
+  };
+  struct Point {
+    Packed p;
+    Packed idle_successor;
+    std::vector<LookMap> looks;
+  };
+  struct Node {
+    bool active = false;
+    int sensor = -1;  // -1 idle
+    int detected = 0;
+    int missed = 0;
+  };
+
+  double p_detect(const Node& node) const;
+  const LookMap& look_of(std::size_t k) const;
+  int find(const Packed& p) const;
+  int find_or_add(const Packed& p);
+  int node_at(const Packed& p);
+  void seed();
+  double action_cost(const Point& point, int sensor, double idle, double price) const;
+  bool choose(std::size_t k, double price);
+  std::size_t follow(double price);
+  void keep_only(const std::vector<char>& reached);
+  void evaluate(double price);
+  Packed backed_up_weight(std::size_t k) const;
+  void solve_weights();
+  void immediate();
+  bool deterministic() const;
+  void solve_constants_by_cycles(double price);
+  void solve_constants_by_sweeps(double price);
+  void publish(double price);
+
+  Arm arm_;
+  double discount_;
+  PricedArmSettings settings_;
+  double same_point_;
+  PackedMap idle_map_;  // P -> F P F'
+  Packed q_;
+  Packed scan_cost_;    // w C in weight form
+  std::vector<int> seeds_;
+  std::vector<Point> points_;
+  std::vector<Node> nodes_;       // one a point
+  Eigen::MatrixXd weights_;       // m x points
+  Eigen::VectorXd cost_, work_;   // c = cost + price work
+  Eigen::VectorXd cost_now_, work_now_;  // without the successors' constants
+  std::vector<char> kept_;        // active, and of a part of the graph with the least mean
+  PricedValue mean_;
+  Eigen::VectorXd published_cost_, published_work_;
+  ValueSet value_;
+};
+
+}  // namespace dwell::restless

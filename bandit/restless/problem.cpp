@@ -1,0 +1,98 @@
+#include "bandit/restless/problem.hpp"
+
+#include <cmath>
+#include <string>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+namespace dwell::restless {
+namespace {
+
+/// Rounding that a symmetric or semidefinite matrix may show, as a part of its largest element.
+constexpr double kRounding = 1e-9;
+
+class Checker {
+ public:
+  std::vector<Violation> violations;
+
+  void refuse(const std::string& field, const std::string& value, const std::string& rule) {
+    violations.push_back({field, value, rule});
+  }
+
+  void number(const std::string& field, double value, bool good, const std::string& rule) {
+    if (!good || !std::isfinite(value)) refuse(field, std::to_string(value), rule);
+  }
+
+  bool size(const std::string& field, const Matrix& m, Eigen::Index rows, Eigen::Index columns) {
+    if (m.rows() == rows && m.cols() == columns && m.allFinite()) return true;
+    refuse(field, std::to_string(m.rows()) + " x " + std::to_string(m.cols()),
+           "must be a finite matrix of " + std::to_string(rows) + " x " + std::to_string(columns));
+    return false;
+  }
+
+  void semidefinite(const std::string& field, const Matrix& m, Eigen::Index n) {
+    if (!size(field, m, n, n)) return;
+    const double slack = kRounding * m.cwiseAbs().maxCoeff();
+    const bool symmetric = (m - m.transpose()).cwiseAbs().maxCoeff() <= slack;
+    if (!symmetric || Eigen::SelfAdjointEigenSolver<Matrix>(m).eigenvalues().minCoeff() < -slack) {
+      refuse(field, "", "must be symmetric and positive semidefinite");
+    }
+  }
+
+  void definite(const std::string& field, const Matrix& m, Eigen::Index n) {
+    if (!size(field, m, n, n)) return;
+    const double slack = kRounding * m.cwiseAbs().maxCoeff();
+    if ((m - m.transpose()).cwiseAbs().maxCoeff() > slack || m.llt().info() != Eigen::Success) {
+      refuse(field, "", "must be symmetric and positive definite");
+    }
+  }
+};
+
+void check_arm(Checker& check, const std::string& name, const Arm& arm) {
+  const Eigen::Index n = arm.f.rows();
+  if (n < 1 || n > kMaximumStates) {
+    check.refuse(name + ".f", std::to_string(n) + " rows", "must have 1 to " + std::to_string(kMaximumStates) + " rows");
+    return;
+  }
+  check.size(name + ".f", arm.f, n, n);
+  check.semidefinite(name + ".q", arm.q, n);
+  check.semidefinite(name + ".cost", arm.cost, n);
+  check.semidefinite(name + ".p0", arm.p0, n);
+  check.number(name + ".weight", arm.weight, arm.weight >= 0.0, "must be finite and >= 0");
+  check.number(name + ".dwell", arm.dwell, arm.dwell > 0.0, "must be finite and > 0");
+  if (arm.sensors.empty()) check.refuse(name + ".sensor", "", "one sensor at least is required");
+  for (std::size_t s = 0; s < arm.sensors.size(); ++s) {
+    const Sensor& sensor = arm.sensors[s];
+    const std::string at = name + ".sensor[" + std::to_string(s + 1) + "]";
+    if (sensor.h.rows() < 1) {
+      check.refuse(at + ".h", "0 rows", "must have 1 to " + std::to_string(kMaximumStates) + " rows");
+      continue;
+    }
+    check.size(at + ".h", sensor.h, sensor.h.rows(), n);
+    check.definite(at + ".r", sensor.r, sensor.h.rows());
+    check.number(at + ".p_detect", sensor.p_detect, sensor.p_detect > 0.0 && sensor.p_detect <= 1.0,
+                 "must be above 0, at most 1");
+  }
+}
+
+}  // namespace
+
+std::vector<Violation> validate(const Problem& problem) {
+  Checker check;
+  if (problem.discount) {
+    check.number("discount", *problem.discount, *problem.discount > 0.0 && *problem.discount < 1.0,
+                 "must be above 0, below 1; none for the average cost");
+  }
+  if (problem.arms.empty()) check.refuse("arm", "", "one arm at least is required");
+  const auto arms = static_cast<int>(problem.arms.size());
+  if (problem.looks_per_scan < 1 || problem.looks_per_scan > std::max(1, arms)) {
+    check.refuse("looks_per_scan", std::to_string(problem.looks_per_scan), "must be from 1 to the number of arms");
+  }
+  for (std::size_t i = 0; i < problem.arms.size(); ++i) {
+    check_arm(check, "arm[" + std::to_string(i + 1) + "]", problem.arms[i]);
+  }
+  return std::move(check.violations);
+}
+
+}  // namespace dwell::restless

@@ -1,0 +1,59 @@
+#include "bandit/restless/simulate.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "bandit/restless/covariance.hpp"
+#include "radar/random.hpp"
+
+namespace dwell::restless {
+
+Simulated simulate(const Problem& problem, Policy& policy, const SimulationSettings& settings) {
+  const std::size_t arms = problem.arms.size();
+  std::vector<Matrix> predicted;
+  std::vector<RandomStream> luck;
+  double bucket_size = problem.looks_per_scan;
+  const RandomStream root = RandomStream(settings.seed).fork("detections");
+  for (std::size_t i = 0; i < arms; ++i) {
+    predicted.push_back(problem.arms[i].p0);
+    luck.push_back(root.fork(static_cast<std::uint64_t>(i)));
+    bucket_size = std::max(bucket_size, problem.arms[i].dwell);
+  }
+  const bool average = !problem.discount;
+  const int first = average ? settings.warm_up : 0;
+  const int last = average ? settings.warm_up + settings.scans
+                           : 1 + static_cast<int>(std::ceil(std::log(settings.rest) / std::log(*problem.discount)));
+  Simulated result;
+  result.look_rate.assign(arms, 0.0);
+  double bucket = 0.0;
+  double power = 1.0;
+  std::vector<Look> looks;
+  std::vector<Matrix> after(arms);
+  for (int t = 0; t < last; ++t) {
+    bucket = std::min(bucket_size, bucket + problem.looks_per_scan);
+    policy.choose(predicted, bucket, looks);
+    after = predicted;
+    std::vector<double> draws(arms);
+    for (std::size_t i = 0; i < arms; ++i) draws[i] = luck[i].uniform();
+    for (const Look& look : looks) {
+      const Arm& arm = problem.arms[look.arm];
+      const Sensor& sensor = arm.sensors[look.sensor];
+      bucket -= arm.dwell;
+      if (draws[look.arm] < sensor.p_detect) after[look.arm] = look_update(sensor, predicted[look.arm]).covariance;
+      if (t >= first) result.look_rate[look.arm] += 1.0;
+    }
+    double cost = 0.0;
+    for (std::size_t i = 0; i < arms; ++i) {
+      cost += scan_cost(problem.arms[i], after[i]);
+      predicted[i] = predict(problem.arms[i], after[i]);
+    }
+    if (t >= first) result.cost += power * cost;
+    if (!average) power *= *problem.discount;
+  }
+  const double counted = last - first;
+  for (double& rate : result.look_rate) rate /= counted;
+  if (average) result.cost /= counted;
+  return result;
+}
+
+}  // namespace dwell::restless

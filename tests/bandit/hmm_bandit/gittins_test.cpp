@@ -1,0 +1,99 @@
+#include "bandit/hmm_bandit/gittins.hpp"
+
+#include <gtest/gtest.h>
+
+#include "bandit/gauss_legendre.hpp"
+#include "radar/random.hpp"
+#include "tests/scale.hpp"
+
+namespace dwell::hmm_bandit {
+namespace {
+
+Arm two_states() {
+  Arm arm;
+  arm.transition.resize(2, 2);
+  arm.transition << 0.8, 0.2, 0.3, 0.7;
+  arm.emission.resize(2, 2);
+  arm.emission << 0.7, 0.3, 0.2, 0.8;
+  arm.reward = Eigen::Vector2d(0, 1);
+  return arm;
+}
+
+Arm three_states() {
+  Arm arm;
+  arm.transition.resize(3, 3);
+  arm.transition << 0.8, 0.15, 0.05, 0.1, 0.7, 0.2, 0.05, 0.25, 0.7;
+  arm.emission.resize(3, 3);
+  arm.emission << 0.7, 0.2, 0.1, 0.2, 0.6, 0.2, 0.1, 0.2, 0.7;
+  arm.reward = Eigen::Vector3d(0, 0.4, 1);
+  return arm;
+}
+
+Eigen::MatrixXd random_rows(RandomStream& random, int rows, int columns) {
+  Eigen::MatrixXd p(rows, columns);
+  for (int i = 0; i < rows; ++i) {
+    for (int j = 0; j < columns; ++j) p(i, j) = 0.02 - std::log(1.0 - random.uniform());
+    p.row(i) /= p.row(i).sum();
+  }
+  return p;
+}
+
+/// Values of an independent program, stable to 1e-13; the set is exact once it no longer changes.
+TEST(Gittins, EqualsTheReferenceValues) {
+  const double at[] = {0.1, 0.3, 0.5, 0.8};
+  const double index[] = {0.3499068460612, 0.4749116607774, 0.6166112956811, 0.8};
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_NEAR(gittins_index(two_states(), Eigen::Vector2d(1 - at[i], at[i]), 0.9).index, index[i], 1e-12);
+  }
+  const Eigen::Vector3d uniform = Eigen::Vector3d::Constant(1.0 / 3.0);
+  EXPECT_NEAR(gittins_index(three_states(), uniform, 0.8).index, 0.5802031240119, 1e-12);
+  EXPECT_NEAR(gittins_index(three_states(), Eigen::Vector3d(0.1, 0.3, 0.6), 0.8).index, 0.7779518187691, 1e-12);
+}
+
+/// An arm that pays c in every state has index c, whatever it shows.
+TEST(Gittins, OfAConstantRewardIsTheReward) {
+  Arm arm = three_states();
+  arm.reward.setConstant(0.37);
+  EXPECT_NEAR(gittins_index(arm, Eigen::Vector3d(0.2, 0.5, 0.3), 0.9).index, 0.37, 1e-13);
+}
+
+/// Point-based from below, grid from above; rounding of either is 1e-9 of the rewards.
+TEST(Gittins, PointsAndGridBracketTheIndex) {
+  RandomStream random(3);
+  for (int trial = 0; trial < scaled(10); ++trial) {
+    const int n = 2 + trial % 3;
+    Arm arm;
+    arm.transition = random_rows(random, n, n);
+    arm.emission = random_rows(random, n, 2 + trial % 2);
+    arm.reward.resize(n);
+    for (int i = 0; i < n; ++i) arm.reward[i] = random.uniform();
+    arm.belief = random_rows(random, 1, n).row(0);
+    const double discount = random.uniform(0.5, 0.9);
+    const double below = gittins_index(arm, arm.belief, discount, 300).index;
+    const double above = gittins_index_on_grid(arm, arm.belief, discount, n == 2 ? 200 : n == 3 ? 20 : 10);
+    EXPECT_LE(below, above + 1e-9);
+    EXPECT_LE(above - below, 0.01) << "n " << n;
+  }
+}
+
+/// A Bernoulli arm with a uniform prior is a chain that stands still in a state drawn from [0, 1]. At Gauss-Legendre's n
+/// nodes the predictive probabilities of up to 2 n - 1 plays are exact. Published: .7029 (Gittins 1989, b = .9).
+TEST(Gittins, OfABernoulliArm) {
+  const auto nodes = gauss_legendre(24);
+  const auto n = static_cast<Eigen::Index>(nodes.size());
+  Arm arm;
+  arm.transition = Eigen::MatrixXd::Identity(n, n);
+  arm.emission.resize(n, 2);
+  arm.reward.resize(n);
+  arm.belief.resize(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const QuadratureNode& node = nodes[static_cast<std::size_t>(i)];
+    arm.emission.row(i) << 1.0 - node.u, node.u;
+    arm.reward[i] = node.u;
+    arm.belief[i] = node.weight;
+  }
+  EXPECT_NEAR(gittins_index(arm, arm.belief, 0.9, 600).index, 0.70289, 1e-5);
+}
+
+}  // namespace
+}  // namespace dwell::hmm_bandit

@@ -1,0 +1,108 @@
+#include "bandit/restless/bound.hpp"
+
+#include <gtest/gtest.h>
+
+#include "bandit/restless/mechanical_word.hpp"
+#include "bandit/restless/priced_arm.hpp"
+#include "bandit/restless/scalar_arm.hpp"
+#include "bandit/restless/scalar_mesh.hpp"
+#include "bandit/restless/simulate.hpp"
+#include "radar/random.hpp"
+#include "tests/bandit/restless/instances.hpp"
+
+namespace dwell::restless::testing {
+namespace {
+
+/// Values of an independent program, given to 10 digits; both maximise over the price to 1e-9.
+TEST(LagrangianBound, EqualsTheReferenceValues) {
+  EXPECT_NEAR(analyse(s2a()).bound.value, 1.9348726036, 2e-9);
+  EXPECT_NEAR(analyse(s4a()).bound.value, 6.241416352, 1e-8);
+  EXPECT_NEAR(analyse(s4b()).bound.value, 7.7213190326, 1e-8);
+}
+
+TEST(LagrangianBound, DiscountedEqualsTheReferenceValue) {
+  Problem problem = scalars({1, 1}, {4, 0.1}, {0.5, 6});
+  problem.arms[0].p0(0, 0) = 4.0;
+  problem.arms[1].p0(0, 0) = 2.0;
+  problem.discount = 0.95;
+  const Bound bound = analyse(problem).bound;
+  EXPECT_EQ(bound.kind, BoundKind::kExact);
+  EXPECT_NEAR(bound.value, 59.647920523, 1e-6);
+  EXPECT_NEAR(bound.price, 4.021656, 1e-5);
+}
+
+/// An always-looked-at arm has the predicted variance p = f^2 p r / (p + r) + q; f = q = r = 1: the golden ratio, and
+/// after the look p - q.
+TEST(MechanicalWord, OfRateOneIsTheRiccatiFixedPoint) {
+  const double golden = 0.5 * (1.0 + std::sqrt(5.0));
+  EXPECT_NEAR(mechanical_cost({1, 1, 1, 1, 1, 1}, 1, 1), golden - 1.0, 1e-14);
+}
+
+TEST(MechanicalWord, CostIsConvexInTheRate) {
+  const ScalarArm arm{0.95, 0.3, 4, 1, 1, 1};
+  for (int m = 1; m < 20; ++m) {
+    EXPECT_LE(mechanical_cost(arm, m, 20),
+              0.5 * (mechanical_cost(arm, m - 1, 20) + mechanical_cost(arm, m + 1, 20)) + 1e-12);
+  }
+}
+
+/// Two methods: the words' rate and the alpha-matrices' controller. Tangents lose second order in 1e-3: 1e-6.
+TEST(PricedArm, EqualsTheMechanicalWordsOnScalarArms) {
+  const struct {
+    double f, q, r, price;
+  } cases[] = {{1, 1, 1, 1}, {1, 0.5, 4, 10}, {0.9, 1, 1, 1}, {1, 0.05, 4, 2.6}, {0.3, 3, 0.5, 0.1}};
+  for (const auto& c : cases) {
+    const RatedCost words = best_rate({c.f, c.q, c.r, 1, 1, 1}, c.price);
+    PricedArm arm(scalar_arm_of(c.f, c.q, c.r), 1.0);
+    const double total = words.cost + c.price * words.rate;
+    EXPECT_NEAR(arm.solve(c.price).total(c.price), total, 1e-6 * total) << c.f << " " << c.q << " " << c.r;
+  }
+}
+
+/// Mesh from below, controller from above. They close to the mesh's 1e-5 of the value.
+TEST(PricedArm, AndTheMeshBracketTheValueWhereLooksMiss) {
+  for (const double p_detect : {0.9, 0.6}) {
+    const Arm arm = scalar_arm_of(1.0, 0.5, 4.0, 1.0, p_detect);
+    for (const double discount : {0.95, 1.0}) {
+      ScalarMesh mesh(arm, discount, 500.0, 1000);
+      PricedArm set(arm, discount);
+      const double below = mesh.solve(6.0).total(6.0);
+      const double above = set.solve(6.0).total(6.0);
+      EXPECT_LE(below, above * (1.0 + 1e-9));
+      EXPECT_NEAR(below, above, 2e-4 * above) << "P_d " << p_detect << " b " << discount;
+    }
+  }
+}
+
+/// Concave, and monotone in P: properties of a minimum of <L, P> + c with L positive semidefinite. Random pairs.
+TEST(PricedArm, ValueIsConcaveAndMonotone) {
+  PricedArm arm(constant_velocity_arm(1, 25), 1.0);
+  arm.solve(60.0);
+  RandomStream random(2);
+  const auto draw = [&] {
+    Matrix root(2, 2);
+    for (int i = 0; i < 2; ++i) {
+      for (int j = 0; j < 2; ++j) root(i, j) = 4.0 * random.normal();
+    }
+    return Matrix(root * root.transpose());
+  };
+  for (int pair = 0; pair < 1000; ++pair) {
+    const Matrix a = draw();
+    const Matrix b = draw();
+    const double scale = std::abs(arm.value().value(a)) + std::abs(arm.value().value(b));
+    EXPECT_GE(arm.value().value(Matrix(0.5 * (a + b))),
+              0.5 * (arm.value().value(a) + arm.value().value(b)) - 1e-9 * scale);
+    EXPECT_GE(arm.value().value(Matrix(a + b)), arm.value().value(a) - 1e-9 * scale);
+  }
+}
+
+/// The relaxation's value is that of policies that can be carried out, and the best two-target schedule attains it: the
+/// prototypes' 29.0987, certified to be within 0.008 % of the optimum.
+TEST(Reference, OfTwoPositionVelocityTargets) {
+  const Bound bound = analyse(c2()).bound;
+  EXPECT_EQ(bound.kind, BoundKind::kReference);
+  EXPECT_NEAR(bound.value, 29.0987, 1e-4);
+}
+
+}  // namespace
+}  // namespace dwell::restless::testing
