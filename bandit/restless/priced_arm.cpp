@@ -33,6 +33,7 @@ PricedArm::PricedArm(const Arm& arm, double discount, const PricedArmSettings& s
       scan_cost_(pack_weight(arm.weight * arm.cost)) {
   const bool misses = std::any_of(arm.sensors.begin(), arm.sensors.end(), [](const Sensor& s) { return s.p_detect < 1.0; });
   same_point_ = misses ? settings.same_point_with_misses : settings.same_point;
+  if (arm.states() > 2) same_point_ = std::max(same_point_, settings.same_point_of_many_states);
   seed();
 }
 

@@ -21,6 +21,7 @@ struct PricedArmSettings {
   /// lost is of second order. Where misses branch, the coarser one keeps the points few.
   double same_point = 1e-3;
   double same_point_with_misses = 2e-3;
+  double same_point_of_many_states = 2e-2;  ///< at least that of arms with more than two states
 };
 
 /// Solves one arm at a price by point-based policy iteration over alpha-matrices.
