@@ -12,6 +12,8 @@ namespace {
 constexpr int kFirstHorizon = 4000;
 constexpr int kDoublings = 6;
 constexpr double kSettled = 1e-9;
+/// Stands in for the average where a period is longer than any horizon.
+constexpr double kNearlyAverage = 1.0 - 1e-5;
 /// W(1) - W(0) is 1 / period at least where the orbits are out of phase; below this they are taken to be in phase.
 constexpr double kInPhase = 1e-6;
 
@@ -95,7 +97,10 @@ double whittle_index(const ScalarArm& arm, double p, std::optional<double> disco
     const auto above = unit_index(arm, p * (1.0 + step), discount);
     if (below && above) index = 0.5 * (*below + *above);
   }
-  DWELL_ASSERT(index.has_value());
+  if (!index) {
+    const Differences d = discounted(arm, p, kNearlyAverage);
+    index = d.cost / d.work;
+  }
   return arm.weight / arm.dwell * *index;
 }
 

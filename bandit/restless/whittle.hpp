@@ -20,12 +20,13 @@ namespace dwell::restless {
 /// and is doubled, at most six times, until the index moves by less than 1e-9 of itself.
 ///
 /// Exceptional states, where both orbits fall in phase and the two differences vanish, take the mean of their
-/// neighbours: the index is continuous.
+/// neighbours: the index is continuous. Where a look is not due again for more scans than the longest horizon (256 000),
+/// the index at discount 1 - 1e-5 stands in for the average one.
 ///
 /// Identities  index(p; w, d) = w / d index(p; 1, 1);  index(c p; c q, c r) = c index(p; q, r);
 ///             b -> 0: w p^2 / (p + r) / d, the one-step gain;  nondecreasing in p.
 /// Requires p > 0, p_detect = 1 (see CalibratedIndex), 0 < discount < 1 where there is one.
-/// Accuracy 1e-9 discounted, 1e-6 average, relative.
+/// Accuracy 1e-9 discounted, 1e-6 average with periods up to some 10 000 scans, relative.
 /// Source   Nino-Mora (2006), Dance, Silander (2019): threshold policies and mechanical words; the cutoff is ours.
 double whittle_index(const ScalarArm& arm, double p, std::optional<double> discount);
 
