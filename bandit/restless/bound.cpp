@@ -85,7 +85,9 @@ Analysis analyse(const Problem& problem) {
   const Relaxation relaxation = maximise_over_price(count, relaxed_capacity(problem), price_scale(problem), solve);
   Analysis analysis;
   analysis.bound = {relaxation.value,
-                    exact ? BoundKind::kExact : scalar ? BoundKind::kCertified : BoundKind::kReference,
+                    exact    ? BoundKind::kExact
+                    : scalar ? BoundKind::kCertified
+                             : BoundKind::kReference,
                     relaxation.price};
   analysis.priced.price = relaxation.price;
   for (PricedArm& set : sets) {

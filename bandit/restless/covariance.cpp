@@ -1,6 +1,9 @@
 #include "bandit/restless/covariance.hpp"
 
+#include <limits>
+
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 
 namespace dwell::restless {
 namespace {
@@ -40,17 +43,29 @@ double expected_scan_cost(const Arm& arm, const Sensor& sensor, const Matrix& pr
          (1.0 - sensor.p_detect) * scan_cost(arm, predicted);
 }
 
-Matrix all_looks_covariance(const Arm& arm) {
-  Matrix p = arm.q;
+AllLooks all_looks(const Arm& arm) {
+  Matrix p = arm.p0 + arm.q;
+  Matrix loop;
   for (int step = 0; step < 100'000; ++step) {
     Matrix m = p;
-    for (const Sensor& sensor : arm.sensors) m = look_update(sensor, m).covariance;
+    loop = arm.f;
+    for (const Sensor& sensor : arm.sensors) {
+      const LookUpdate look = look_update(sensor, m);
+      m = look.covariance;
+      loop = loop * look.a;
+    }
     const Matrix next = predict(arm, m);
     const double change = (next - p).cwiseAbs().maxCoeff();
     p = next;
-    if (change <= 1e-14 * p.cwiseAbs().maxCoeff()) break;
+    if (!(change > 1e-14 * p.cwiseAbs().maxCoeff())) break;
   }
-  return p;
+  const double radius = spectral_radius(loop);
+  return {p, radius * radius};
+}
+
+double spectral_radius(const Matrix& m) {
+  return m.allFinite() ? Eigen::EigenSolver<Matrix>(m, false).eigenvalues().cwiseAbs().maxCoeff()
+                       : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace dwell::restless

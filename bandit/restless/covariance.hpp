@@ -10,9 +10,9 @@ namespace dwell::restless {
 ///
 /// A and K R K' stay as they are when P changes: the look's plan then costs a linear function of P.
 struct LookUpdate {
-  Matrix a;          ///< A
-  Matrix noise;      ///< K R K'
-  Matrix covariance; ///< M
+  Matrix a;           ///< A
+  Matrix noise;       ///< K R K'
+  Matrix covariance;  ///< M
 };
 
 /// Requires S positive definite, which R is.
@@ -27,9 +27,17 @@ double scan_cost(const Arm& arm, const Matrix& covariance);
 /// The expected cost of a scan with that look at predicted covariance P, and the state it is made in.
 double expected_scan_cost(const Arm& arm, const Sensor& sensor, const Matrix& predicted);
 
-/// Covariance that looks with every sensor at once, all detected, in every scan settle at, predicted: what no policy
-/// gets below once it started above it. A fixed point of the Riccati step, by iteration until it changes by 1e-14
-/// of itself or for 100 000 steps.
-Matrix all_looks_covariance(const Arm& arm);
+/// Looks with every sensor in every scan, all detected.
+struct AllLooks {
+  Matrix covariance;  ///< that they settle at, predicted: what no policy gets below once it started above it
+  double memory;      ///< what one scan leaves of a covariance's difference to it: spectral radius of F A, squared
+};
+
+/// A fixed point of the Riccati step from p0 + q, by iteration until it changes by 1e-14 of itself or for 100 000
+/// steps.
+AllLooks all_looks(const Arm& arm);
+
+/// Spectral radius of a square matrix.
+double spectral_radius(const Matrix& m);
 
 }  // namespace dwell::restless

@@ -42,7 +42,8 @@ IndexTable::IndexTable(const Arm& arm, std::size_t sensor, std::optional<double>
   const ScalarArm scalar = *scalar_arm(arm, arm.sensors[sensor]);
   const double low = std::max(scalar.q, 1e-9 * arm.p0(0, 0));
   double high = arm.p0(0, 0);
-  for (int t = 0; t < 200 && high < 1000.0 * std::max(arm.p0(0, 0), low); ++t) high = std::max(high, scalar.predict(high));
+  for (int t = 0; t < 200 && high < 1000.0 * std::max(arm.p0(0, 0), low); ++t)
+    high = std::max(high, scalar.predict(high));
   high = std::max(high, 10.0 * low);
   if (scalar.p_detect == 1.0) {
     for (int i = 0; i < kExactPoints; ++i) {

@@ -33,9 +33,8 @@ void JointSearch::prepare_last(int at) {
   node.best_gain = -std::numeric_limits<double>::infinity();
   node.last = value != nullptr ? idle_cost(arm, *value, discount_, node.p) : node.cost;
   for (std::size_t s = 0; s < arm.sensors.size(); ++s) {
-    const double look = value != nullptr
-                            ? look_cost(arm, s, *value, discount_, price_, node.p, node.last)
-                            : expected_scan_cost(arm, arm.sensors[s], node.p) + price_ * arm.dwell;
+    const double look = value != nullptr ? look_cost(arm, s, *value, discount_, price_, node.p, node.last)
+                                         : expected_scan_cost(arm, arm.sensors[s], node.p) + price_ * arm.dwell;
     node.look_gain.push_back(node.last - look);
     node.best_gain = std::max(node.best_gain, node.look_gain.back());
   }
@@ -44,7 +43,8 @@ void JointSearch::prepare_last(int at) {
 int JointSearch::idle(int at) {
   if (nodes_[static_cast<std::size_t>(at)].idle < 0) {
     const int arm = nodes_[static_cast<std::size_t>(at)].arm;
-    const int next = add(arm, predict(problem_.arms[static_cast<std::size_t>(arm)], nodes_[static_cast<std::size_t>(at)].p));
+    const int next =
+        add(arm, predict(problem_.arms[static_cast<std::size_t>(arm)], nodes_[static_cast<std::size_t>(at)].p));
     nodes_[static_cast<std::size_t>(at)].idle = next;
   }
   return nodes_[static_cast<std::size_t>(at)].idle;

@@ -22,8 +22,8 @@ class JointSearch {
   /// `closures` one an arm. `price` is charged for dwell in every scan of the search.
   JointSearch(const Problem& problem, std::vector<Closure> closures, double price, int depth);
 
-  /// Gain of a first look: value without any look in this scan minus value with it, other first looks being `committed`.
-  /// `predicted` one an arm. The gains are for every arm and sensor: gains[arm][sensor].
+  /// Gain of a first look: value without any look in this scan minus value with it, other first looks being
+  /// `committed`. `predicted` one an arm. The gains are for every arm and sensor: gains[arm][sensor].
   void gains(const std::vector<Matrix>& predicted, const std::vector<Look>& committed,
              std::vector<std::vector<double>>& gains);
 
@@ -32,14 +32,14 @@ class JointSearch {
   struct Node {
     Matrix p;
     int arm = 0;
-    double cost = 0.0;                // of the scan without a look
-    std::vector<double> look_gain;    // last scan: idle minus look, over sensors
-    double best_gain = 0.0;           // the largest of them
-    double last = 0.0;                // last scan: idle cost with the closure
+    double cost = 0.0;              // of the scan without a look
+    std::vector<double> look_gain;  // last scan: idle minus look, over sensors
+    double best_gain = 0.0;         // the largest of them
+    double last = 0.0;              // last scan: idle cost with the closure
     bool has_last = false;
-    int idle = -1;                    // nodes after no look (or a miss) and after each sensor's detection
+    int idle = -1;  // nodes after no look (or a miss) and after each sensor's detection
     std::vector<int> detected;
-    std::vector<double> seen_cost;    // of the scan with a detection
+    std::vector<double> seen_cost;  // of the scan with a detection
   };
   using Joint = std::vector<int>;
 

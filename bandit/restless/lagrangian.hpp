@@ -15,8 +15,8 @@ namespace dwell::restless {
 /// lower bound of every policy, adaptive ones too.
 ///
 /// Maximised by cutting planes: each solution (cost_i, usage_i) of an arm is a line above J_i at all prices; the next
-/// price is where the sum of the least lines peaks. Done when no arm's solution is below its lines by more than 1e-9 of B.
-/// Where the price is 0 the capacity does not bind.
+/// price is where the sum of the least lines peaks. Done when no arm's solution is below its lines by more than 1e-9 of
+/// B. Where the price is 0 the capacity does not bind.
 struct Relaxation {
   double value = 0.0;
   double price = 0.0;

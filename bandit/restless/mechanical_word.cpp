@@ -11,9 +11,7 @@ constexpr int kLargestDenominator = 2048;
 /// Convexity bounds what is left between two neighbours that differ by less, as a part of the total.
 constexpr double kSettled = 1e-12;
 
-bool looks(int t, int m, int n) {
-  return (static_cast<long long>(t) + 1) * m / n > static_cast<long long>(t) * m / n;
-}
+bool looks(int t, int m, int n) { return (static_cast<long long>(t) + 1) * m / n > static_cast<long long>(t) * m / n; }
 
 struct Rate {
   int m;
@@ -51,9 +49,7 @@ double mechanical_cost(const ScalarArm& arm, int m, int n) {
 }
 
 RatedCost best_rate(const ScalarArm& arm, double price) {
-  const auto at = [&](int m, int n) {
-    return Rate{m, n, mechanical_cost(arm, m, n) + price * arm.dwell * m / n};
-  };
+  const auto at = [&](int m, int n) { return Rate{m, n, mechanical_cost(arm, m, n) + price * arm.dwell * m / n}; };
   const auto mediant = [&](const Rate& a, const Rate& b) { return at(a.m + b.m, a.n + b.n); };
   const auto answer = [&](const Rate& rate) {
     const double looks_a_scan = static_cast<double>(rate.m) / rate.n;

@@ -12,7 +12,8 @@ namespace dwell::restless {
 ///   weight form    l = (L_11, 2 L_21, .., L_22, ..)          of what multiplies them: l'p = <L, P>
 inline constexpr int kMaximumPacked = kMaximumStates * (kMaximumStates + 1) / 2;
 using Packed = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaximumPacked, 1>;
-using PackedMap = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaximumPacked, kMaximumPacked>;
+using PackedMap =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaximumPacked, kMaximumPacked>;
 
 inline Eigen::Index packed_size(Eigen::Index n) { return n * (n + 1) / 2; }
 

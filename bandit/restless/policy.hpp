@@ -51,8 +51,8 @@ using PolicySettings = std::variant<RoundRobinSettings, FixedSettings, LargestVa
 class Policy {
  public:
   virtual ~Policy() = default;
-  /// `predicted` one an arm; `capacity` is what the bucket holds. Looks are made as long as capacity lasts; where the best
-  /// costs more than there is, the bucket is left to fill.
+  /// `predicted` one an arm; `capacity` is what the bucket holds. Looks are made as long as capacity lasts; where the
+  /// best costs more than there is, the bucket is left to fill.
   virtual void choose(const std::vector<Matrix>& predicted, double capacity, std::vector<Look>& looks) = 0;
 };
 

@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-
-#include "radar/assert.hpp"
+#include <stdexcept>
 
 namespace dwell::restless {
 namespace {
@@ -31,8 +30,11 @@ PricedArm::PricedArm(const Arm& arm, double discount, const PricedArmSettings& s
       idle_map_(congruence(arm.f)),
       q_(pack_state(arm.q)),
       scan_cost_(pack_weight(arm.weight * arm.cost)) {
-  const bool misses = std::any_of(arm.sensors.begin(), arm.sensors.end(), [](const Sensor& s) { return s.p_detect < 1.0; });
+  const bool misses =
+      std::any_of(arm.sensors.begin(), arm.sensors.end(), [](const Sensor& s) { return s.p_detect < 1.0; });
   same_point_ = misses ? settings.same_point_with_misses : settings.same_point;
+  const double forgotten = 1.0 - std::min(discount * all_looks(arm).memory, kMostMemory);
+  most_sweeps_ = std::max(3000, static_cast<int>(40.0 / forgotten));
   if (arm.states() > 2) same_point_ = std::max(same_point_, settings.same_point_of_many_states);
   seed();
 }
@@ -117,7 +119,7 @@ int PricedArm::node_at(const Packed& p) {
 /// are the start and what periodic looks with longer and longer pauses pass.
 void PricedArm::seed() {
   const std::size_t sensors = arm_.sensors.size();
-  Matrix p = all_looks_covariance(arm_);
+  Matrix p = all_looks(arm_).covariance;
   for (int turn = 0; turn < 300; ++turn) {
     for (const Sensor& sensor : arm_.sensors) p = restless::predict(arm_, look_update(sensor, p).covariance);
   }
@@ -249,13 +251,12 @@ Packed PricedArm::backed_up_weight(std::size_t k) const {
 /// All L of the controller, to rounding. A loop of plans that never looks at an unstable arm has none: its nodes, and
 /// what leads to them, are not kept.
 void PricedArm::solve_weights() {
-  constexpr int kMost = 3000;
   constexpr double kConverged = 1e-9;
   constexpr double kEndless = 1e100;
   std::vector<double> change(nodes_.size(), 0.0);
-  for (int step = 0; step < kMost; ++step) {
+  for (int step = 0; step < most_sweeps_; ++step) {
     double largest = 0.0;
-    for (std::size_t k = 0; k < nodes_.size(); ++k) {
+    for (std::size_t k = nodes_.size(); k-- > 0;) {  // successors have been added later: most go first
       if (!nodes_[k].active || change[k] == kEndless) continue;
       const Packed l = backed_up_weight(k);
       const double scale = l.cwiseAbs().maxCoeff();
@@ -269,6 +270,9 @@ void PricedArm::solve_weights() {
   }
   kept_.assign(nodes_.size(), 0);
   for (std::size_t k = 0; k < nodes_.size(); ++k) kept_[k] = nodes_[k].active && change[k] < kConverged ? 1 : 0;
+  if (std::find(kept_.begin(), kept_.end(), 1) == kept_.end()) {
+    throw std::domain_error("no plan of a finite cost was found");
+  }
 }
 
 void PricedArm::immediate() {
@@ -288,9 +292,8 @@ void PricedArm::immediate() {
 }
 
 bool PricedArm::deterministic() const {
-  return std::all_of(nodes_.begin(), nodes_.end(), [&](const Node& node) {
-    return !node.active || node.sensor < 0 || p_detect(node) == 1.0;
-  });
+  return std::all_of(nodes_.begin(), nodes_.end(),
+                     [&](const Node& node) { return !node.active || node.sensor < 0 || p_detect(node) == 1.0; });
 }
 
 void PricedArm::evaluate(double price) {
@@ -368,7 +371,6 @@ void PricedArm::solve_constants_by_sweeps(double price) {
   Eigen::VectorXd more_work = Eigen::VectorXd::Zero(count);
   // A kept node: those of the first cycle are.
   const Eigen::Index reference = std::find(kept_.begin(), kept_.end(), 1) - kept_.begin();
-  DWELL_ASSERT(reference < count);
   for (int step = 0; step < kMost; ++step) {
     for (Eigen::Index k = 0; k < count; ++k) {
       const Node& node = nodes_[static_cast<std::size_t>(k)];

@@ -47,7 +47,8 @@ struct PricedArmSettings {
 /// Source   Sondik (1978), Hansen (1998), Pineau et al. (2003) for beliefs; covariances, P_d and several sensors: ours.
 class PricedArm {
  public:
-  /// `discount` 1 means average cost.
+  /// `discount` 1 means average cost. Throws std::domain_error, as `solve` does, where no plan that it finds has a
+  /// finite cost; `validate` refuses most of these.
   PricedArm(const Arm& arm, double discount, const PricedArmSettings& settings = {});
 
   PricedValue solve(double price);
@@ -66,7 +67,7 @@ class PricedArm {
     Packed after_noise;  // F K R K' F' + Q
     Packed cost;         // of the scan, weight form
     double cost_noise;
-    Packed successor;    // predicted covariance after a detection
+    Packed successor;  // predicted covariance after a detection
   };
   struct Point {
     Packed p;
@@ -103,16 +104,17 @@ class PricedArm {
   double discount_;
   PricedArmSettings settings_;
   double same_point_;
+  int most_sweeps_;     // of the weights
   PackedMap idle_map_;  // P -> F P F'
   Packed q_;
-  Packed scan_cost_;    // w C in weight form
+  Packed scan_cost_;  // w C in weight form
   std::vector<int> seeds_;
   std::vector<Point> points_;
-  std::vector<Node> nodes_;       // one a point
-  Eigen::MatrixXd weights_;       // m x points
-  Eigen::VectorXd cost_, work_;   // c = cost + price work
+  std::vector<Node> nodes_;              // one a point
+  Eigen::MatrixXd weights_;              // m x points
+  Eigen::VectorXd cost_, work_;          // c = cost + price work
   Eigen::VectorXd cost_now_, work_now_;  // without the successors' constants
-  std::vector<char> kept_;        // active, and of a part of the graph with the least mean
+  std::vector<char> kept_;               // active, and of a part of the graph with the least mean
   PricedValue mean_;
   Eigen::VectorXd published_cost_, published_work_;
   ValueSet value_;

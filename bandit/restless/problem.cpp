@@ -1,10 +1,13 @@
 #include "bandit/restless/problem.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+
+#include "bandit/restless/covariance.hpp"
 
 namespace dwell::restless {
 namespace {
@@ -52,7 +55,8 @@ class Checker {
 void check_arm(Checker& check, const std::string& name, const Arm& arm) {
   const Eigen::Index n = arm.f.rows();
   if (n < 1 || n > kMaximumStates) {
-    check.refuse(name + ".f", std::to_string(n) + " rows", "must have 1 to " + std::to_string(kMaximumStates) + " rows");
+    check.refuse(name + ".f", std::to_string(n) + " rows",
+                 "must have 1 to " + std::to_string(kMaximumStates) + " rows");
     return;
   }
   check.size(name + ".f", arm.f, n, n);
@@ -76,6 +80,24 @@ void check_arm(Checker& check, const std::string& name, const Arm& arm) {
   }
 }
 
+std::string name_of_arm(std::size_t i) { return "arm[" + std::to_string(i + 1) + "]"; }
+
+void check_costs(Checker& check, const std::string& name, const Arm& arm, double discount) {
+  double missed = 1.0;
+  for (const Sensor& sensor : arm.sensors) missed = std::min(missed, 1.0 - sensor.p_detect);
+  const double radius = spectral_radius(arm.f);
+  if (discount * radius * radius * missed >= 1.0) {
+    check.refuse(name + ".sensor", "p_detect " + std::to_string(1.0 - missed) + " at most",
+                 "misses in a row grow f faster than they are rare: the expected cost is infinite");
+  } else if (!(discount * all_looks(arm).memory <= kMostMemory)) {
+    check.refuse(name + ".q", "",
+                 "what no sensor sees must decay, and what neither grows nor decays needs process noise (some 1e-8 r): "
+                 "else the arm never forgets where it started");
+  } else if (arm.states() == 1 && missed > 0.0 && !(arm.q(0, 0) > 0.0)) {
+    check.refuse(name + ".q", "0", "must be above 0 where looks may miss");
+  }
+}
+
 }  // namespace
 
 std::vector<Violation> validate(const Problem& problem) {
@@ -90,7 +112,15 @@ std::vector<Violation> validate(const Problem& problem) {
     check.refuse("looks_per_scan", std::to_string(problem.looks_per_scan), "must be from 1 to the number of arms");
   }
   for (std::size_t i = 0; i < problem.arms.size(); ++i) {
-    check_arm(check, "arm[" + std::to_string(i + 1) + "]", problem.arms[i]);
+    check_arm(check, name_of_arm(i), problem.arms[i]);
+  }
+  return std::move(check.violations);
+}
+
+std::vector<Violation> validate_costs(const Problem& problem) {
+  Checker check;
+  for (std::size_t i = 0; i < problem.arms.size(); ++i) {
+    check_costs(check, name_of_arm(i), problem.arms[i], problem.discount_or_one());
   }
   return std::move(check.violations);
 }

@@ -10,6 +10,7 @@
 namespace dwell::restless {
 
 inline constexpr int kMaximumStates = 6;
+inline constexpr double kMostMemory = 1.0 - 1e-4;  ///< ten thousand scans
 
 /// A small matrix without heap: states and measurements have at most kMaximumStates components.
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaximumStates, kMaximumStates>;
@@ -23,8 +24,8 @@ struct Sensor {
 
 /// One target: x' = F x + w, w ~ N(0, Q).
 ///
-/// Its state in the scheduling problem is the predicted covariance P at the scan. A scan costs weight <C, M>, where M is
-/// the covariance after it: P without a look or detection, else that of the Kalman update. Then P' = F M F' + Q.
+/// Its state in the scheduling problem is the predicted covariance P at the scan. A scan costs weight <C, M>, where M
+/// is the covariance after it: P without a look or detection, else that of the Kalman update. Then P' = F M F' + Q.
 struct Arm {
   Matrix f;             ///< n x n
   Matrix q;             ///< n x n, symmetric, positive semidefinite
@@ -56,7 +57,12 @@ struct Look {
   std::size_t sensor = 0;
 };
 
-/// Everything that is wrong with the problem; empty: it can be solved. Counted from 1: "arm[2].sensor[1].r".
+/// Everything that is wrong with the problem's numbers, one by one. Counted from 1: "arm[2].sensor[1].r".
 std::vector<Violation> validate(const Problem& problem);
+
+/// Of a problem that is valid: arms that have no finite cost, or do not forget where they started. b times what a scan
+/// of all looks leaves of a difference (AllLooks::memory) must be at most kMostMemory, b times the growth of what the
+/// best sensor misses below 1.
+std::vector<Violation> validate_costs(const Problem& problem);
 
 }  // namespace dwell::restless

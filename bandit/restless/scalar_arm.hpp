@@ -12,8 +12,8 @@ namespace dwell::restless {
 struct ScalarArm {
   double f = 1.0;
   double q = 0.0;
-  double r = 1.0;        ///< of the state: R / H^2, or 1 / (H' R^-1 H)
-  double weight = 1.0;   ///< times the cost's only element
+  double r = 1.0;       ///< of the state: R / H^2, or 1 / (H' R^-1 H)
+  double weight = 1.0;  ///< times the cost's only element
   double dwell = 1.0;
   double p_detect = 1.0;
 

@@ -83,8 +83,8 @@ PricedValue ScalarMesh::solve(double price) {
       double work = idle_work;
       for (std::size_t s = 0; s < seen_.size(); ++s) {
         const double p_d = arm_.sensors[s].p_detect;
-        const double look = p_d * (seen_cost_[s][j] + discount_ * at(v_, seen_[s][j])) + (1.0 - p_d) * idle +
-                            price * arm_.dwell;
+        const double look =
+            p_d * (seen_cost_[s][j] + discount_ * at(v_, seen_[s][j])) + (1.0 - p_d) * idle + price * arm_.dwell;
         if (look >= least) continue;
         least = look;
         work = p_d * discount_ * at(work_, seen_[s][j]) + (1.0 - p_d) * idle_work + arm_.dwell;

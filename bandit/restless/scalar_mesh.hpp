@@ -41,8 +41,8 @@ class ScalarMesh {
   double low_log_, step_log_;
   std::vector<double> p_;
   std::vector<Place> idle_;
-  std::vector<std::vector<Place>> seen_;         // [sensor][point]
-  std::vector<std::vector<double>> seen_cost_;   // of the scan
+  std::vector<std::vector<Place>> seen_;        // [sensor][point]
+  std::vector<std::vector<double>> seen_cost_;  // of the scan
   std::vector<double> v_, work_;
 };
 

@@ -7,9 +7,9 @@
 namespace dwell::restless {
 
 struct SimulationSettings {
-  int warm_up = 2000;         ///< average cost: scans that do not count
-  int scans = 20'000;         ///< average cost: scans that do
-  double rest = 1e-12;        ///< discounted: until b^t is below
+  int warm_up = 2000;   ///< average cost: scans that do not count
+  int scans = 20'000;   ///< average cost: scans that do
+  double rest = 1e-12;  ///< discounted: until b^t is below
   std::uint64_t seed = 1;
 };
 
@@ -18,8 +18,8 @@ struct Simulated {
   std::vector<double> look_rate;  ///< looks a scan at each arm
 };
 
-/// Runs a policy from p0. Detections are drawn for every arm in every scan, whether it is looked at or not, from streams
-/// forked by the arm: policies meet the same luck.
+/// Runs a policy from p0. Detections are drawn for every arm in every scan, whether it is looked at or not, from
+/// streams forked by the arm: policies meet the same luck.
 Simulated simulate(const Problem& problem, Policy& policy, const SimulationSettings& settings);
 
 }  // namespace dwell::restless

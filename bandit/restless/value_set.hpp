@@ -29,8 +29,8 @@ class ValueSet {
   const Eigen::VectorXd& constants() const { return constants_; }
 
  private:
-  Eigen::MatrixXd weights_;   // m x K
-  Eigen::MatrixXd by_plan_;   // K x m, for the minimum over plans
+  Eigen::MatrixXd weights_;  // m x K
+  Eigen::MatrixXd by_plan_;  // K x m, for the minimum over plans
   Eigen::VectorXd constants_;
 };
 

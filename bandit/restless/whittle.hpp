@@ -20,8 +20,8 @@ namespace dwell::restless {
 /// and is doubled, at most six times, until the index moves by less than 1e-9 of itself.
 ///
 /// Exceptional states, where both orbits fall in phase and the two differences vanish, take the mean of their
-/// neighbours: the index is continuous. Where a look is not due again for more scans than the longest horizon (256 000),
-/// the index at discount 1 - 1e-5 stands in for the average one.
+/// neighbours: the index is continuous. Where a look is not due again for more scans than the longest horizon (256
+/// 000), the index at discount 1 - 1e-5 stands in for the average one.
 ///
 /// Identities  index(p; w, d) = w / d index(p; 1, 1);  index(c p; c q, c r) = c index(p; q, r);
 ///             b -> 0: w p^2 / (p + r) / d, the one-step gain;  nondecreasing in p.
@@ -32,8 +32,8 @@ double whittle_index(const ScalarArm& arm, double p, std::optional<double> disco
 
 /// Whether the index is what it must be, over `states` variances spread evenly in log p from low to high.
 struct IndexabilityReport {
-  bool indexable = true;  ///< W(1,p) - W(0,p) > 0 at all: looking first is never less work
-  bool monotone = true;   ///< index nondecreasing, to 1e-9 discounted and 1e-6 average
+  bool indexable = true;          ///< W(1,p) - W(0,p) > 0 at all: looking first is never less work
+  bool monotone = true;           ///< index nondecreasing, to 1e-9 discounted and 1e-6 average
   std::vector<double> offenders;  ///< the variances where either failed
 };
 IndexabilityReport check_indexability(const ScalarArm& arm, double low, double high, int states,

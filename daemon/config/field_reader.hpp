@@ -80,6 +80,8 @@ class FieldReader {
   void refuse(const char* field, const std::string& value, const std::string& rule);
   /// What the domain says of a field by its path from here, as "sensor[2].r"; not again where it was refused already.
   void refuse(const Violation& violation);
+  /// By any reader of the same list of violations.
+  bool refused_any() const { return !violations_->empty(); }
   std::string path(const char* field) const;
   /// The value as the text format writes it; empty where absent, and of a message.
   std::string value(const char* field) const;

@@ -73,6 +73,8 @@ restless::Problem read_restless(FieldReader in) {
   for (int i = 0; i < arms; ++i) complete = read_arm(in.element("arm", i), problem.arms.emplace_back()) && complete;
   if (!complete) return problem;
   for (const Violation& violation : validate(problem)) in.refuse(violation);
+  if (in.refused_any()) return problem;
+  for (const Violation& violation : validate_costs(problem)) in.refuse(violation);
   return problem;
 }
 

@@ -86,17 +86,24 @@ std::unique_ptr<StudyReport> study_restless(ParsedConfig config, const StudyRequ
   ProblemReader reader(config, request);
   const restless::Problem problem = read_restless(reader.problem());
   const bool scalar = std::all_of(problem.arms.begin(), problem.arms.end(), whittle_applies);
-  const auto policies = reader.policies(*config.message.mutable_restless()->mutable_policy(), "index",
-                                        read_restless_policy);
+  const auto policies =
+      reader.policies(*config.message.mutable_restless()->mutable_policy(), "index", read_restless_policy);
   for (const auto& [name, settings] : policies) {
     if (std::holds_alternative<restless::WhittleSettings>(settings) && !scalar) {
       reader.problem().refuse("policy", name, "requires arms of one state with process noise above 0");
     }
   }
   reader.check();
-  const restless::Analysis analysis = restless::analyse(problem);
-  Json head{{"bound",
-             {{"value", analysis.bound.value}, {"kind", name_of(analysis.bound.kind)}, {"price", analysis.bound.price}}}};
+  restless::Analysis analysis;
+  try {
+    analysis = restless::analyse(problem);
+  } catch (const std::domain_error& error) {
+    reader.problem().refuse("arm", "the problem", error.what());
+    reader.check();
+  }
+  Json head{
+      {"bound",
+       {{"value", analysis.bound.value}, {"kind", name_of(analysis.bound.kind)}, {"price", analysis.bound.price}}}};
   head["arms"] = Json::array();
   for (std::size_t i = 0; i < problem.arms.size(); ++i) head["arms"].push_back(index_json(problem, analysis, i));
   auto report = std::make_unique<ProblemReport>(config.message, policies.size(), head);
