@@ -146,16 +146,13 @@ tracker { bank { name: "liu_hwang" } gate: inf lost_squared_distance: inf lost_s
 )";
 
 TEST(MyopicLoses, LookingAheadOverAnImmIsBetterThanOneStepAndThanTurns) {
-  const Case scene{kTurns, 110, 1, scaled(100)};
+  const Case scene{kTurns, 110, 1, scaled(60)};
   const Outcome sa_imm = report("sa_imm", scene, SaImmSettings{});
   const Outcome round_robin = report("round_robin", scene, RoundRobinSettings{});
   (void)report("bhattacharyya", scene, BhattacharyyaSettings{});
   const Outcome lookahead = report("lookahead 2", scene, LookAheadSettings{2});
   expect_below(lookahead.squared_error, sa_imm.squared_error);
   expect_below(lookahead.squared_error, round_robin.squared_error);
-  const Case fewer{kTurns, 110, 1, scaled(40)};
-  const Outcome three = report("lookahead 3", fewer, LookAheadSettings{3});
-  expect_below(three.squared_error, report("sa_imm, the same runs", fewer, SaImmSettings{}).squared_error);
 }
 
 // --- all targets manoeuvre
