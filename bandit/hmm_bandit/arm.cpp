@@ -10,8 +10,7 @@ namespace {
 constexpr double kSum = 1e-6;
 
 bool are_probabilities(const Eigen::MatrixXd& rows) {
-  return rows.allFinite() && (rows.array() >= 0.0).all() &&
-         ((rows.rowwise().sum().array() - 1.0).abs() <= kSum).all();
+  return rows.allFinite() && (rows.array() >= 0.0).all() && ((rows.rowwise().sum().array() - 1.0).abs() <= kSum).all();
 }
 
 }  // namespace
@@ -38,8 +37,8 @@ std::vector<Violation> validate(const Problem& problem) {
     const std::string at = "arm[" + std::to_string(i + 1) + "].";
     const Eigen::Index n = arm.transition.rows();
     if (n < 1 || n > kMaximumStates || arm.transition.cols() != n || !are_probabilities(arm.transition)) {
-      refuse(at + "transition", "", "must be 1 to " + std::to_string(kMaximumStates) +
-                                        " rows of as many probabilities that sum to one");
+      refuse(at + "transition", "",
+             "must be 1 to " + std::to_string(kMaximumStates) + " rows of as many probabilities that sum to one");
     }
     if (arm.emission.rows() != n || arm.emission.cols() < 1 || !are_probabilities(arm.emission)) {
       refuse(at + "emission", "", "must be a row for each state, of probabilities that sum to one");

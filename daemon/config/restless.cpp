@@ -16,7 +16,8 @@ void read_sensor(FieldReader in, int states, restless::Sensor& sensor) {
   const int side = side_of(in, "r");
   const int rows = count > 0 && count % states == 0 ? count / states : side > 0 ? side : 1;
   if (rows > restless::kMaximumStates) {
-    in.refuse("h", std::to_string(rows) + " rows", "must have 1 to " + std::to_string(restless::kMaximumStates) + " rows");
+    in.refuse("h", std::to_string(rows) + " rows",
+              "must have 1 to " + std::to_string(restless::kMaximumStates) + " rows");
     return;
   }
   sensor.h = read_matrix(in, "h", entry(), rows, states);

@@ -121,8 +121,8 @@ Error error_of(const ImmEstimate& estimate, const std::vector<std::shared_ptr<co
 }
 
 /// The approximation's error on what loops of Evans' and of Liu and Hwang's scenes come to. What is asserted is what is
-/// published (bandit/README.md): an error of at most .1 % of the idle cost of the two scans, beyond four standard errors
-/// of the reference, and .02 % in the root mean square (.01 % and .002 % seen).
+/// published (bandit/README.md): an error of at most .1 % of the idle cost of the two scans, beyond four standard
+/// errors of the reference, and .02 % in the root mean square (.01 % and .002 % seen).
 TEST(LookAhead, FourOutcomesAModeAreWithinThePublishedError) {
   const std::vector<PredictedState> states = closed_loop_states(2, 11);
   const DiscreteBank evans = *discretise(*named_bank("evans_practical"), 1.0);

@@ -32,8 +32,7 @@ std::string bandit(const std::string& fields) { return "hmm_bandit { " + fields 
 
 const std::string kArmFields = "arm { f: 1 q: 1 p0: 1 sensor { r: 1 } ";
 const std::string kArm = kArmFields + "} ";
-const std::string kBanditArm =
-    "arm { transition: [1, 0, 0, 1] emission: [1, 1] reward: [0, 1] belief: [.5, .5] } ";
+const std::string kBanditArm = "arm { transition: [1, 0, 0, 1] emission: [1, 1] reward: [0, 1] belief: [.5, .5] } ";
 const std::string kSteps = "horizon: 4 ";
 const std::string kSystem = "a: [1, 0, 0, 1] w: [1, 0, 0, 1] initial_covariance: [1, 0, 0, 1] ";
 const std::string kSensor = "sensor { c: [1, 0] r: [1] } ";

@@ -76,8 +76,8 @@ TEST(Gittins, PointsAndGridBracketTheIndex) {
   }
 }
 
-/// A Bernoulli arm with a uniform prior is a chain that stands still in a state drawn from [0, 1]. At Gauss-Legendre's n
-/// nodes the predictive probabilities of up to 2 n - 1 plays are exact. Published: .7029 (Gittins 1989, b = .9).
+/// A Bernoulli arm with a uniform prior is a chain that stands still in a state drawn from [0, 1]. At Gauss-Legendre's
+/// n nodes the predictive probabilities of up to 2 n - 1 plays are exact. Published: .7029 (Gittins 1989, b = .9).
 TEST(Gittins, OfABernoulliArm) {
   const auto nodes = gauss_legendre(24);
   const auto n = static_cast<Eigen::Index>(nodes.size());

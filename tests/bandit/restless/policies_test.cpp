@@ -45,9 +45,9 @@ TEST(RestlessPolicies, IndexOfDepthTwoIsWithinHalfAPercent) {
 
 TEST(RestlessPolicies, NoneIsBelowTheExactBound) {
   const Table table(s4b());
-  for (const PolicySettings& settings : {PolicySettings(RoundRobinSettings{}), PolicySettings(LargestVarianceSettings{}),
-                                         PolicySettings(MyopicSettings{}), PolicySettings(LookaheadSettings{2}),
-                                         PolicySettings(IndexSettings{1})}) {
+  for (const PolicySettings& settings :
+       {PolicySettings(RoundRobinSettings{}), PolicySettings(LargestVarianceSettings{}),
+        PolicySettings(MyopicSettings{}), PolicySettings(LookaheadSettings{2}), PolicySettings(IndexSettings{1})}) {
     EXPECT_GE(table.gap_percent(settings), -1e-6);
   }
 }
@@ -57,8 +57,8 @@ TEST(RestlessPolicies, EveryArmIsLookedAtWhereLooksSuffice) {
   Problem problem = s2a();
   problem.looks_per_scan = 2;
   const Analysis analysis = analyse(problem);
-  for (const PolicySettings& settings : {PolicySettings(MyopicSettings{}), PolicySettings(IndexSettings{2}),
-                                         PolicySettings(RoundRobinSettings{})}) {
+  for (const PolicySettings& settings :
+       {PolicySettings(MyopicSettings{}), PolicySettings(IndexSettings{2}), PolicySettings(RoundRobinSettings{})}) {
     const auto policy = make_policy(settings, problem, analysis.priced);
     const Simulated run = simulate(problem, *policy, {});
     EXPECT_DOUBLE_EQ(run.look_rate[0], 1.0);

@@ -1,4 +1,5 @@
-// Random instances, seeds 1 .. 200, none chosen: each policy's gap, and how often the index policy loses to the myopic rule.
+// Random instances, seeds 1 .. 200, none chosen: each policy's gap, and how often the index policy loses to the myopic
+// rule.
 
 #include <cmath>
 #include <cstdio>
@@ -76,9 +77,10 @@ TEST(RestlessSoak, IndexOverRandomInstances) {
       std::printf("seed %d: index %.6g, sa_imm %.6g, bound %.6g\n", seed, index, myopic, analysis.bound.value);
     }
   }
-  std::printf("%d instances: mean gap index %.2f %%, sa_imm %.2f %%; worst of index %.2f %%; index better in %d, "
-              "worse by over .5 %% beyond its interval in %d\n",
-              instances, sum_index / instances, sum_myopic / instances, worst, wins, losses);
+  std::printf(
+      "%d instances: mean gap index %.2f %%, sa_imm %.2f %%; worst of index %.2f %%; index better in %d, "
+      "worse by over .5 %% beyond its interval in %d\n",
+      instances, sum_index / instances, sum_myopic / instances, worst, wins, losses);
   EXPECT_LT(sum_index, sum_myopic);
 }
 

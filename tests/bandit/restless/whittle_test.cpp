@@ -19,11 +19,11 @@ ScalarArm arm_of(double f, double q, double r, double weight = 1.0) { return {f,
 TEST(Whittle, EqualsTheReferenceValues) {
   const struct {
     double p, weight, f, q, r, discount, index;  // discount 0: average
-  } cases[] = {{2, 1, 1, 1, 1, 0.9, 1.82187607368337},       {5, 1, 1, 0.5, 4, 0.95, 11.18750453440775},
-               {1.5, 2, 0.9, 1, 1, 0.9, 2.038409162883486},  {0.9, 1, 0.7, 0.6, 3, 0.95, 0.2822459241322029},
-               {6, 1, 1.05, 1, 2, 0.9, 10.62736259344475},   {2, 1, 1, 1, 1, 0.99, 1.887768108518184},
-               {2, 1, 1, 1, 1, 0, 1.895351068410258},        {5, 1, 1, 0.5, 4, 0, 12.98961612545794},
-               {1.5, 1, 0.9, 1, 1, 0, 1.036821129035065},    {12, 1, 1, 1, 1, 0, 67.65687106587498}};
+  } cases[] = {{2, 1, 1, 1, 1, 0.9, 1.82187607368337},      {5, 1, 1, 0.5, 4, 0.95, 11.18750453440775},
+               {1.5, 2, 0.9, 1, 1, 0.9, 2.038409162883486}, {0.9, 1, 0.7, 0.6, 3, 0.95, 0.2822459241322029},
+               {6, 1, 1.05, 1, 2, 0.9, 10.62736259344475},  {2, 1, 1, 1, 1, 0.99, 1.887768108518184},
+               {2, 1, 1, 1, 1, 0, 1.895351068410258},       {5, 1, 1, 0.5, 4, 0, 12.98961612545794},
+               {1.5, 1, 0.9, 1, 1, 0, 1.036821129035065},   {12, 1, 1, 1, 1, 0, 67.65687106587498}};
   for (const auto& c : cases) {
     const auto discount = c.discount > 0.0 ? std::optional(c.discount) : std::nullopt;
     const double index = whittle_index(arm_of(c.f, c.q, c.r, c.weight), c.p, discount);
@@ -51,7 +51,8 @@ TEST(Whittle, ScalesWithTheVariances) {
 TEST(Whittle, IsIndexableAndMonotoneOnRandomArms) {
   RandomStream random(1);
   for (int seed = 0; seed < scaled(40); ++seed) {
-    const ScalarArm arm = arm_of(random.uniform(0.3, 1.1), std::exp(random.uniform(-3, 2)), std::exp(random.uniform(-2, 3)));
+    const ScalarArm arm =
+        arm_of(random.uniform(0.3, 1.1), std::exp(random.uniform(-3, 2)), std::exp(random.uniform(-2, 3)));
     const auto discount = seed % 4 == 0 ? std::nullopt : std::optional(random.uniform(0.5, 0.99));
     const IndexabilityReport report = check_indexability(arm, arm.q, 100.0 * (arm.q + arm.r), 60, discount);
     EXPECT_TRUE(report.indexable && report.monotone)
@@ -69,9 +70,7 @@ TEST(Whittle, IsTheOrbitIndexOfAScalarArm) {
 
 /// The prototypes' calibrated values, printed to 1e-4; the mesh promises 1e-5 of the index.
 TEST(Whittle, IsCalibratedWhereLooksMiss) {
-  const struct {
-    double p_detect, index;
-  } cases[] = {{0.9, 10.2942}, {0.7, 8.4950}, {0.5, 6.6661}};
+  const struct { double p_detect, index; } cases[] = {{0.9, 10.2942}, {0.7, 8.4950}, {0.5, 6.6661}};
   for (const auto& c : cases) {
     Arm arm = scalar_arm_of(1.0, 0.5, 4.0, 1.0, c.p_detect);
     EXPECT_NEAR(whittle_of(arm, 0, 0.95, 5.0), c.index, 5e-5 + 1e-5 * c.index);
