@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 
+#include "bandit/restless/concave_mesh.hpp"
 #include "bandit/restless/mechanical_word.hpp"
 #include "bandit/restless/scalar_mesh.hpp"
 #include "bandit/restless/whittle.hpp"
@@ -14,6 +15,8 @@ namespace {
 constexpr int kMeshPoints = 2000;
 /// Idle scans to which the mesh reaches, apart from misses.
 constexpr int kMeshIdle = 300;
+/// A certificate that close to the best policy known is not made better, relative.
+constexpr double kTight = 5e-5;
 
 bool always_detects(const Arm& arm) {
   return std::all_of(arm.sensors.begin(), arm.sensors.end(), [](const Sensor& s) { return s.p_detect == 1.0; });
@@ -88,13 +91,28 @@ Analysis analyse(const Problem& problem) {
                     exact    ? BoundKind::kExact
                     : scalar ? BoundKind::kCertified
                              : BoundKind::kReference,
-                    relaxation.price};
+                    relaxation.price, 0.0};
   analysis.priced.price = relaxation.price;
+  analysis.bound.reference = -relaxation.price * relaxed_capacity(problem);
   for (PricedArm& set : sets) {
-    set.solve(relaxation.price);
+    analysis.priced_costs.push_back(set.solve(relaxation.price).total(relaxation.price));
+    analysis.bound.reference += analysis.priced_costs.back();
     analysis.priced.values.push_back(set.value());
   }
   return analysis;
+}
+
+Bound certify(const Problem& problem, const Analysis& analysis) {
+  const auto two_states = [](const Arm& arm) { return arm.states() == 2; };
+  if (!std::all_of(problem.arms.begin(), problem.arms.end(), two_states)) return analysis.bound;
+  const double price = analysis.priced.price;
+  double value = -price * relaxed_capacity(problem);
+  for (std::size_t i = 0; i < problem.arms.size(); ++i) {
+    CertificateSettings settings;
+    settings.enough = analysis.priced_costs[i] * (1.0 - kTight);
+    value += certify(problem.arms[i], problem.discount_or_one(), price, analysis.priced.values[i], settings).value;
+  }
+  return {value, BoundKind::kCertified, price, analysis.bound.reference};
 }
 
 double advantage(const Problem& problem, const Priced& priced, std::size_t arm, std::size_t sensor) {

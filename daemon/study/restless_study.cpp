@@ -97,13 +97,15 @@ std::unique_ptr<StudyReport> study_restless(ParsedConfig config, const StudyRequ
   restless::Analysis analysis;
   try {
     analysis = restless::analyse(problem);
+    analysis.bound = restless::certify(problem, analysis);
   } catch (const std::domain_error& error) {
     reader.problem().refuse("arm", "the problem", error.what());
     reader.check();
   }
   Json head{
       {"bound",
-       {{"value", analysis.bound.value}, {"kind", name_of(analysis.bound.kind)}, {"price", analysis.bound.price}}}};
+       {{"value", analysis.bound.value}, {"kind", name_of(analysis.bound.kind)}, {"price", analysis.bound.price},
+              {"reference", analysis.bound.reference}}}};
   head["arms"] = Json::array();
   for (std::size_t i = 0; i < problem.arms.size(); ++i) head["arms"].push_back(index_json(problem, analysis, i));
   auto report = std::make_unique<ProblemReport>(config.message, policies.size(), head);
