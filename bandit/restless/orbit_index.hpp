@@ -16,8 +16,10 @@ struct OrbitSettings {
 /// F is the discounted cost and W the discounted number of looks along one orbit each, in which after the first scan
 /// the arm is looked at with its best sensor (the one that leaves the least cost) whenever its cost without a look is
 /// at least that of P. P_d < 1: the expected covariance P_d M + (1 - P_d) P takes the place of M. For scalar arms with
-/// P_d = 1 and enough steps it is Whittle's discounted index. Cost     2 x steps x sensors covariance updates. Source
-/// The first-passage form of Nino-Mora's marginal productivity index, with a level in place of the scalar state.
+/// P_d = 1 and enough steps it is Whittle's discounted index.
+///
+/// Cost     2 x steps x sensors covariance updates.
+/// Source   the first-passage form of Nino-Mora's marginal productivity index, with a level in place of the scalar state.
 double orbit_index(const Arm& arm, std::size_t sensor, const Matrix& predicted, const OrbitSettings& settings = {});
 
 }  // namespace dwell::restless
