@@ -195,14 +195,16 @@ TEST(LogLikelihood, StandardNormalByHand) {
 }
 
 /// The update with an absolute measurement z = H x + v of the same H and R; `lost` grows by eps cond(S), what
-/// solving with the factor of S may lose.
+/// solving with the factor of S may lose of a correction of one sigma, times the sigmas of the innovation.
 Gaussian update_with(const Gaussian& prior, const PredictedMeasurement& like, const Vector2& z, double& lost) {
   PredictedMeasurement measurement;
   measurement.h = like.h;
   measurement.r = like.r;
   EXPECT_EQ(factorise(prior.covariance, measurement), Numerics::kOk);
-  lost += kEpsilon * static_cast<double>(condition(measurement.s));
-  return kalman_update(prior, measurement, z - measurement.h * prior.mean);
+  const Vector2 innovation = z - measurement.h * prior.mean;
+  const double sigmas = std::max(1.0, std::sqrt(measurement.squared_distance(innovation)));
+  lost += kEpsilon * static_cast<double>(condition(measurement.s)) * sigmas;
+  return kalman_update(prior, measurement, innovation);
 }
 
 // Both orders are the same conditional. The four updates may lose eps cond(S) each of what they compute with,

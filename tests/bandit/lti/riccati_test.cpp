@@ -1,5 +1,7 @@
 #include "bandit/lti/riccati.hpp"
 
+#include <limits>
+
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
@@ -107,7 +109,9 @@ TEST(LtiRiccati, TheSensitivityIsTheDerivative) {
   }
 }
 
-// Noise of 1e-12 beside variances of 1e6: the gain is near the inverse of C, and rounding must not make P indefinite.
+// Noise of 1e-12 beside variances of 1e6: the gain is near the inverse of C, and P must not become indefinite by more
+// than Joseph's products F P F' + K R K' round: a step by 2 n eps of the sums of absolute values, and what was lost
+// before is led on by F.
 TEST(LtiRiccati, CovariancesStaySemidefiniteWherePrecisionIsLost) {
   RandomStream stream(15);
   Problem problem = random_problem({4, 2, 1}, stream);
@@ -117,12 +121,21 @@ TEST(LtiRiccati, CovariancesStaySemidefiniteWherePrecisionIsLost) {
   }
   Riccati riccati(problem);
   std::vector<double> covariance = riccati.initial();
+  Eigen::Matrix4d lost = Eigen::Matrix4d::Zero();
   for (int k = 0; k < 2000; ++k) {
-    riccati.step(covariance.data(), 1 + k % 2, covariance.data());
     const Eigen::Map<const Eigen::Matrix4d> p(covariance.data());
+    const Sensor& sensor = problem.sensors[static_cast<std::size_t>(k % 2)];
+    Sensitivity by;
+    (void)riccati_step(problem.a, problem.w, information_root(sensor.c, sensor.r), problem.covariance, p, &by);
+    const Matrix absolute = by.f.cwiseAbs();
+    const double sums = (absolute * p.cwiseAbs() * absolute.transpose()).trace();
+    riccati.step(covariance.data(), 1 + k % 2, covariance.data());
     ASSERT_EQ(p, p.transpose());
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> solver(p, Eigen::EigenvaluesOnly);
-    ASSERT_GE(solver.eigenvalues()[0], -1e-13 * p.trace()) << k;
+    lost = (by.f * lost * by.f.transpose()).eval();
+    lost.diagonal().array() += 8.0 * std::numeric_limits<double>::epsilon() * (sums + p.trace());
+    ASSERT_GE(solver.eigenvalues()[0], -lost.trace()) << k;
+    ASSERT_LT(lost.trace(), 1e-6 * std::max(1.0, p.trace())) << k;
   }
 }
 
