@@ -3,25 +3,56 @@
 #include <cmath>
 #include <utility>
 
-#include <unsupported/Eigen/MatrixFunctions>
+#include <Eigen/LU>
 
 #include "radar/assert.hpp"
 
 namespace dwell {
 
-std::optional<Eigen::MatrixXd> transition_over(const Eigen::MatrixXd& transition, double ratio) {
-  const double whole = std::round(ratio);
-  if (std::abs(ratio - whole) < 1e-12 * std::max(1.0, whole)) {
-    Eigen::MatrixXd power = Eigen::MatrixXd::Identity(transition.rows(), transition.cols());
-    for (long i = 0; i < static_cast<long>(whole); ++i) power = power * transition;
-    return power;
+namespace {
+
+Eigen::MatrixXd whole_power(const Eigen::MatrixXd& m, double exponent) {
+  Eigen::MatrixXd power = Eigen::MatrixXd::Identity(m.rows(), m.cols());
+  for (long i = 0; i < static_cast<long>(exponent); ++i) power = power * m;
+  return power;
+}
+
+/// The principal square root, by the iteration of Denman and Beavers (1976); empty where it does not converge: an
+/// eigenvalue is zero or negative.
+std::optional<Eigen::MatrixXd> square_root(const Eigen::MatrixXd& m) {
+  constexpr int kMost = 50;            // it doubles the digits
+  constexpr double kConverged = 1e-9;  // far above rounding, far below any probability that matters
+  Eigen::MatrixXd root = m;
+  Eigen::MatrixXd inverse = Eigen::MatrixXd::Identity(m.rows(), m.cols());
+  for (int i = 0; i < kMost; ++i) {
+    const Eigen::MatrixXd next = 0.5 * (root + inverse.inverse());
+    inverse = (0.5 * (inverse + root.inverse())).eval();
+    const double change = (next - root).cwiseAbs().maxCoeff();
+    root = next;
+    if (!(change > 1e-15)) break;
   }
-  constexpr double kRounding = 1e-12;  // of the exponential, with room
-  constexpr double kSameChain = 1e-9;  // far above the logarithm's rounding, far below any probability that matters
-  const Eigen::MatrixXd generator = transition.log();
-  // A negative eigenvalue has a complex logarithm, whose real part generates another chain.
-  if ((generator.exp() - transition).cwiseAbs().maxCoeff() > kSameChain) return std::nullopt;
-  Eigen::MatrixXd result = (ratio * generator).exp();
+  if (!((root * root - m).cwiseAbs().maxCoeff() <= kConverged)) return std::nullopt;
+  return root;
+}
+
+}  // namespace
+
+std::optional<Eigen::MatrixXd> transition_over(const Eigen::MatrixXd& transition, double ratio) {
+  constexpr double kRounding = 1e-12;  // of the roots' product, with room
+  const double whole = std::round(ratio);
+  if (std::abs(ratio - whole) < kRounding * std::max(1.0, whole)) return whole_power(transition, whole);
+  Eigen::MatrixXd result = whole_power(transition, std::floor(ratio));
+  Eigen::MatrixXd root = transition;
+  // The fraction in binary: its digits are square roots of square roots.
+  for (double fraction = ratio - std::floor(ratio); fraction > 0.0;) {
+    const auto next = square_root(root);
+    if (!next) return std::nullopt;
+    root = *next;
+    fraction *= 2.0;
+    if (fraction < 1.0) continue;
+    result = (result * root).eval();
+    fraction -= 1.0;
+  }
   if (!result.allFinite() || result.minCoeff() < -kRounding) return std::nullopt;
   result = result.cwiseMax(0.0);
   const Eigen::VectorXd sums = result.rowwise().sum();

@@ -34,14 +34,14 @@ struct DiscreteBank {
   int size() const { return static_cast<int>(f.size()); }
 };
 
-/// The bank over dt seconds. The chain is a matrix power where dt is a whole number of intervals, else the matrix
-/// function exp((dt / interval) log Pi); empty where that is no stochastic matrix (a chain of discrete time that no
+/// The bank over dt seconds. The chain is a matrix power where dt is a whole number of intervals, else the
+/// principal power Pi^(dt / interval); empty where that is no stochastic matrix (a chain of discrete time that no
 /// chain of continuous time makes).
 /// Requires `divides(mode.noise, dt_s)` of every mode.
 std::optional<DiscreteBank> discretise(const ModeBank& bank, double dt_s);
 
-/// Stochastic matrix over `ratio` of the interval that `transition` is given for; empty where there is none, or none
-/// by the principal logarithm. Requires ratio >= 0.
+/// Stochastic matrix over `ratio` of the interval that `transition` is given for; empty where there is none by the
+/// principal power. Requires ratio >= 0. Accuracy 1e-13.
 std::optional<Eigen::MatrixXd> transition_over(const Eigen::MatrixXd& transition, double ratio);
 
 /// The named banks, tracker/named_banks.cpp. Empty for an unknown name.
