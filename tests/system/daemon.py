@@ -101,10 +101,15 @@ class Stream:
         return all_messages
 
 
+class Ended(AssertionError):
+    """The daemon had ended before it was asked."""
+
+
 class Control:
     """A client of the control port: one request, one reply."""
 
-    def __init__(self, context, endpoint):
+    def __init__(self, context, endpoint, process):
+        self.process = process
         self.socket = context.socket(zmq.DEALER)
         self.socket.linger = 0
         self.socket.reconnect_ivl = 10
@@ -115,8 +120,12 @@ class Control:
         self.socket.send(request.SerializeToString())
 
     def receive(self, timeout_s=PATIENCE_S):
-        if not self.socket.poll(round(1000 * timeout_s)):
-            raise AssertionError(f"no reply for {timeout_s} s")
+        deadline = time.monotonic() + timeout_s
+        while not self.socket.poll(100):
+            if self.process.poll() is not None:
+                raise Ended(f"no reply: the daemon ended with {self.process.returncode}")
+            if time.monotonic() > deadline:
+                raise AssertionError(f"no reply for {timeout_s} s")
         return control_pb2.Reply.FromString(self.socket.recv())
 
     def ask(self, request=None, **body):
@@ -192,7 +201,7 @@ control {{ bind: "{bind["control"]}" }}
         return self.clients[-1]
 
     def control(self):
-        self.clients.append(Control(self.context, self.control_endpoint))
+        self.clients.append(Control(self.context, self.control_endpoint, self.process))
         return self.clients[-1]
 
     def signal(self, number):
