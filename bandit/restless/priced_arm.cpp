@@ -14,10 +14,6 @@ constexpr double kBetter = 1e-11;
 constexpr double kSameGain = 1e-11;
 /// How much of a backup goes into a relative value where misses branch.
 constexpr double kLazy = 0.5;
-/// Spread of the gains of all nodes at which those sweeps end, relative.
-constexpr double kSwept = 1e-11;
-/// Change of the value at which improvements may end while a hundredth of the points still waver, relative.
-constexpr double kSettled = 1e-9;
 /// Idle lengths of the seeds' periodic looks.
 constexpr int kSeedPeriods[] = {1, 2, 3, 4, 6, 8, 12, 16, 24};
 
@@ -49,8 +45,16 @@ const PricedArm::LookMap& PricedArm::look_of(std::size_t k) const {
 
 void PricedArm::add_seed(const Matrix& predicted) { seeds_.push_back(find_or_add(pack_state(predicted))); }
 
-/// The point that is the same covariance; -1: none.
-int PricedArm::find(const Packed& p) const {
+/// Trace of the covariance in state form.
+double PricedArm::size(const Packed& p) const {
+  double trace = 0.0;
+  Eigen::Index at = 0;
+  for (Eigen::Index n = arm_.states(); n > 0; at += n, --n) trace += p[at];
+  return trace;
+}
+
+/// The point that is the same covariance, of those larger than `above`; -1: none.
+int PricedArm::find(const Packed& p, double above) const {
   const Eigen::Index n = arm_.states();
   double sigma[kMaximumStates];
   Eigen::Index at = 0;
@@ -64,14 +68,17 @@ int PricedArm::find(const Packed& p) const {
         same = std::abs(other[at] - p[at]) <= same_point_ * sigma[i] * sigma[j];
       }
     }
-    if (same) return static_cast<int>(k);
+    if (same && size(other) > above) return static_cast<int>(k);
   }
   return -1;
 }
 
 int PricedArm::find_or_add(const Packed& p) {
   const int found = find(p);
-  if (found >= 0) return found;
+  return found >= 0 ? found : add(p);
+}
+
+int PricedArm::add(const Packed& p) {
   Point point{p, idle_map_ * p + q_, {}};
   const Matrix predicted = unpack_state(p, arm_.states());
   for (const Sensor& sensor : arm_.sensors) {
@@ -97,22 +104,23 @@ int PricedArm::find_or_add(const Packed& p) {
   return static_cast<int>(count) - 1;
 }
 
-/// The point of a covariance that a node leads to; once the points are all given, the active one whose plan costs least
-/// from there.
-int PricedArm::node_at(const Packed& p) {
-  const int found = find(p);
+/// The point of a covariance that a node leads to; once the points are all given, the nearest of those larger than
+/// `above`, or the largest: a loop without a look, whose plans are then not kept.
+int PricedArm::node_at(const Packed& p, double above) {
+  const int found = find(p, above);
   if (found >= 0) return found;
-  if (static_cast<int>(points_.size()) < settings_.maximum_points) return find_or_add(p);
-  int nearest = 0;
+  if (static_cast<int>(points_.size()) < settings_.maximum_points) return add(p);
+  int nearest = -1;
+  std::size_t largest = 0;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < points_.size(); ++k) {
+    if (size(points_[k].p) > size(points_[largest].p)) largest = k;
     const double apart = (points_[k].p - p).squaredNorm();
-    if (apart < least) {
-      least = apart;
-      nearest = static_cast<int>(k);
-    }
+    if (apart >= least || size(points_[k].p) <= above) continue;
+    least = apart;
+    nearest = static_cast<int>(k);
   }
-  return nearest;
+  return nearest >= 0 ? nearest : static_cast<int>(largest);
 }
 
 /// The first V is that of looks with every sensor in turn, without a pause: stable wherever some policy is. The seeds
@@ -134,7 +142,8 @@ void PricedArm::seed() {
     const int next = cycle[(i + 1) % cycle.size()];
     nodes_[static_cast<std::size_t>(cycle[i])] = {true, static_cast<int>(i), next, next};
   }
-  evaluate(0.0);
+  sort_successors_first();
+  if (!evaluate(0.0)) throw std::domain_error("no plan of a finite cost was found");
   publish(0.0);
 
   seeds_.push_back(find_or_add(pack_state(arm_.p0)));
@@ -180,11 +189,13 @@ bool PricedArm::choose(std::size_t k, double price) {
   const double p_d = best < 0 ? 0.0 : arm_.sensors[static_cast<std::size_t>(best)].p_detect;
   // Copies: a new point may move the old ones.
   const Packed idle_successor = points_[k].idle_successor;
+  const double before_idle = size(points_[k].p);
+  const double above = best < 0 && size(idle_successor) > before_idle ? before_idle : -1.0;
   if (p_d > 0.0) {
     const Packed detected = points_[k].looks[static_cast<std::size_t>(best)].successor;
     node.detected = node_at(detected);
   }
-  node.missed = p_d < 1.0 ? node_at(idle_successor) : node.detected;
+  node.missed = p_d < 1.0 ? node_at(idle_successor, above) : node.detected;
   if (p_d == 0.0) node.detected = node.missed;
   nodes_[k] = node;
   return !was_active || best != before;
@@ -233,6 +244,32 @@ void PricedArm::keep_only(const std::vector<char>& reached) {
     node.missed = place[static_cast<std::size_t>(node.missed)];
   }
   for (int& seed : seeds_) seed = place[static_cast<std::size_t>(seed)];
+  sort_successors_first();
+}
+
+/// So that one sweep takes a change of a plan to all that lead to it.
+void PricedArm::sort_successors_first() {
+  enum class Seen : char { kNot, kEntered, kDone };
+  order_.clear();
+  std::vector<Seen> seen(nodes_.size(), Seen::kNot);
+  std::vector<int> open;
+  for (std::size_t start = 0; start < nodes_.size(); ++start) {
+    open.push_back(static_cast<int>(start));
+    while (!open.empty()) {
+      Seen& here = seen[static_cast<std::size_t>(open.back())];
+      const Node& node = nodes_[static_cast<std::size_t>(open.back())];
+      if (here == Seen::kNot) {
+        here = Seen::kEntered;
+        for (const int next : {node.detected, node.missed}) {
+          if (seen[static_cast<std::size_t>(next)] == Seen::kNot) open.push_back(next);
+        }
+        continue;
+      }
+      if (here == Seen::kEntered) order_.push_back(open.back());
+      here = Seen::kDone;
+      open.pop_back();
+    }
+  }
 }
 
 /// The weights that a node's action and successors give it, from theirs.
@@ -251,12 +288,13 @@ Packed PricedArm::backed_up_weight(std::size_t k) const {
 /// All L of the controller, to rounding. A loop of plans that never looks at an unstable arm has none: its nodes, and
 /// what leads to them, are not kept.
 void PricedArm::solve_weights() {
-  constexpr double kConverged = 1e-9;
+  const double converged = 1e4 * settings_.solved;
   constexpr double kEndless = 1e100;
   std::vector<double> change(nodes_.size(), 0.0);
   for (int step = 0; step < most_sweeps_; ++step) {
     double largest = 0.0;
-    for (std::size_t k = nodes_.size(); k-- > 0;) {  // successors have been added later: most go first
+    for (const int node : order_) {
+      const auto k = static_cast<std::size_t>(node);
       if (!nodes_[k].active || change[k] == kEndless) continue;
       const Packed l = backed_up_weight(k);
       const double scale = l.cwiseAbs().maxCoeff();
@@ -266,13 +304,10 @@ void PricedArm::solve_weights() {
       if (!(scale < kEndless)) change[k] = kEndless;
       largest = std::max(largest, change[k]);
     }
-    if (largest < 1e-13) break;
+    if (largest < settings_.solved) break;
   }
   kept_.assign(nodes_.size(), 0);
-  for (std::size_t k = 0; k < nodes_.size(); ++k) kept_[k] = nodes_[k].active && change[k] < kConverged ? 1 : 0;
-  if (std::find(kept_.begin(), kept_.end(), 1) == kept_.end()) {
-    throw std::domain_error("no plan of a finite cost was found");
-  }
+  for (std::size_t k = 0; k < nodes_.size(); ++k) kept_[k] = nodes_[k].active && change[k] < converged ? 1 : 0;
 }
 
 void PricedArm::immediate() {
@@ -296,14 +331,17 @@ bool PricedArm::deterministic() const {
                      [&](const Node& node) { return !node.active || node.sensor < 0 || p_detect(node) == 1.0; });
 }
 
-void PricedArm::evaluate(double price) {
+/// False where no node of the policy has a plan: all lead to a loop that never looks at an unstable arm.
+bool PricedArm::evaluate(double price) {
   solve_weights();
+  if (std::find(kept_.begin(), kept_.end(), 1) == kept_.end()) return false;
   immediate();
   if (discount_ == 1.0 && deterministic()) {
     solve_constants_by_cycles(price);
   } else {
     solve_constants_by_sweeps(price);
   }
+  return true;
 }
 
 /// One successor a node: every walk ends in a cycle, whose mean is the gain of all that lead to it.
@@ -397,7 +435,7 @@ void PricedArm::solve_constants_by_sweeps(double price) {
       mean_ = {more_cost[reference], more_work[reference]};
       cost_.head(count).array() -= cost_[reference];
       work_.head(count).array() -= work_[reference];
-      if (high - low <= kSwept * std::abs(high)) break;
+      if (high - low <= settings_.swept * std::abs(high)) break;
     } else if (std::max(-low, high) <= 1e-15 * scale) {
       break;
     }
@@ -414,21 +452,24 @@ void PricedArm::publish(double price) {
   value_ = ValueSet(weights_(Eigen::all, kept), published_cost_ + price * published_work_);
 }
 
+/// From p0, of the last policy that had plans.
+PricedValue PricedArm::published() const {
+  if (discount_ == 1.0) return mean_;
+  const Packed start = pack_state(arm_.p0);
+  const Eigen::Index plan = value_.best_plan(start);
+  return {value_.weights().col(plan).dot(start) + published_cost_[plan], published_work_[plan]};
+}
+
 PricedValue PricedArm::solve(double price) {
-  PricedValue value;
+  PricedValue value = published();
   for (int improvement = 0; improvement < settings_.improvements; ++improvement) {
     const std::size_t changed = follow(price);
-    evaluate(price);
+    if (!evaluate(price)) break;  // the value of the policy before stays
     publish(price);
-    const double before = value.total(price);
-    value = mean_;
-    if (discount_ < 1.0) {
-      const Packed start = pack_state(arm_.p0);
-      const Eigen::Index plan = value_.best_plan(start);
-      value = {value_.weights().col(plan).dot(start) + published_cost_[plan], published_work_[plan]};
-    }
+    const double before = improvement == 0 ? 0.0 : value.total(price);
+    value = published();
     if (changed == 0) break;
-    const bool settled = std::abs(value.total(price) - before) <= kSettled * std::abs(before);
+    const bool settled = std::abs(value.total(price) - before) <= settings_.settled * std::abs(before);
     if (settled && 100 * changed < points_.size()) break;
   }
   return value;

@@ -17,6 +17,10 @@ struct PricedValue {
 struct PricedArmSettings {
   int maximum_points = 2000;
   int improvements = 60;  ///< of the policy; a dozen is usual
+  double settled =
+      1e-9;              ///< relative change of the value at which they end while a hundredth of the points still waver
+  double swept = 1e-11;  ///< spread of the gains of all nodes at which the sweeps end where misses branch, relative
+  double solved = 1e-13;  ///< relative change at which the plans of a policy are solved
   /// Covariances this close, relative to their standard deviations, are one point. Plans are tangents of V: what is
   /// lost is of second order. Where misses branch, the coarser one keeps the points few.
   double same_point = 1e-3;
@@ -35,7 +39,8 @@ struct PricedArmSettings {
 ///
 /// 1. Follow: from the start and from the seeds, take the action that is best before the present V, and go where it
 ///    leads, until all lead to nodes that are there. The points are closed under the greedy policy, as they must be:
-///    a fixed cloud gives a wrong gain.
+///    a fixed cloud gives a wrong gain. A covariance that grew in a scan without a look is never taken for one that is
+///    not larger: else slow growth would stop, and never looking would seem to cost nothing more.
 /// 2. Evaluate: solve the equations above for all nodes. L is the limit of a contraction. c: discounted the same;
 ///    average (b = 1), every walk ends in a cycle that has a mean, and where misses branch, by lazy sweeps
 ///    (mix .5: a periodic optimum makes plain ones oscillate). Parts that stay worse than others are dropped.
@@ -47,7 +52,7 @@ struct PricedArmSettings {
 /// Source   Sondik (1978), Hansen (1998), Pineau et al. (2003) for beliefs; covariances, P_d and several sensors: ours.
 class PricedArm {
  public:
-  /// `discount` 1 means average cost. Throws std::domain_error, as `solve` does, where no plan that it finds has a
+  /// `discount` 1 means average cost. Throws std::domain_error where looks in every scan do not give it a
   /// finite cost; `validate` refuses most of these.
   PricedArm(const Arm& arm, double discount, const PricedArmSettings& settings = {});
 
@@ -83,15 +88,18 @@ class PricedArm {
 
   double p_detect(const Node& node) const;
   const LookMap& look_of(std::size_t k) const;
-  int find(const Packed& p) const;
+  int find(const Packed& p, double above = -1.0) const;
+  int add(const Packed& p);
   int find_or_add(const Packed& p);
-  int node_at(const Packed& p);
+  int node_at(const Packed& p, double above = -1.0);
+  double size(const Packed& p) const;
   void seed();
   double action_cost(const Point& point, int sensor, double idle, double price) const;
   bool choose(std::size_t k, double price);
   std::size_t follow(double price);
   void keep_only(const std::vector<char>& reached);
-  void evaluate(double price);
+  void sort_successors_first();
+  bool evaluate(double price);
   Packed backed_up_weight(std::size_t k) const;
   void solve_weights();
   void immediate();
@@ -99,6 +107,7 @@ class PricedArm {
   void solve_constants_by_cycles(double price);
   void solve_constants_by_sweeps(double price);
   void publish(double price);
+  PricedValue published() const;
 
   Arm arm_;
   double discount_;
@@ -111,6 +120,7 @@ class PricedArm {
   std::vector<int> seeds_;
   std::vector<Point> points_;
   std::vector<Node> nodes_;              // one a point
+  std::vector<int> order_;               // all nodes, what they lead to first where there is no cycle
   Eigen::MatrixXd weights_;              // m x points
   Eigen::VectorXd cost_, work_;          // c = cost + price work
   Eigen::VectorXd cost_now_, work_now_;  // without the successors' constants
