@@ -18,7 +18,10 @@ namespace dwell {
 /// and over tracks of weight sum_j c_j tr(W X_j) after each scan. Gradient in q by the adjoint of the same steps: a
 /// look moves with its covariance as dL = p (I - K H) dX (I - K H)' + (1 - p) dX, since the gain is the best one.
 ///
+/// Tracks without a feasible pair are left out: no q changes what they cost.
+///
 /// Cost    O(scans pairs modes n^3), no allocation once the stores have grown.
+///
 /// Source  Gupta et al. (2004), (3), of a finite horizon; lti/averaged_riccati is that of the steady state.
 class AveragedPaths {
  public:

@@ -29,9 +29,8 @@ struct LookAheadSettings {
 ///
 /// Cost     beliefs: tracks x (sensors (4 modes + 1))^(depth - 1), each with the expected cost of every sensor; sums:
 ///          as many to the power of two, without arithmetic to speak of. No allocation once the store has grown.
-/// Source   Evans et al. (2005), III-C, for the recursion; Arasaratnam, Haykin (2009), IEEE Trans. Automatic Control
-/// 54,
-///          for the rule.
+///
+/// Source   Evans et al. (2005), III-C, for the recursion; Arasaratnam, Haykin (2009), IEEE TAC 54, for the rule.
 class LookAhead final : public Policy {
  public:
   explicit LookAhead(const LookAheadSettings& settings);

@@ -23,9 +23,10 @@ struct RandomSettings {
 /// hundredth of the probability is kept even, so that no pair is ever given up and a new one is found.
 ///
 /// The numbers are those of the situation's stream, forked by track and sensor: a pair that comes or goes does not
-/// change what the others draw. Source  Gupta et al. (2004), algorithm 3; Kivinen, Warmuth (1997), Information and
-/// Computation 132, for the descent;
-///         Yellott (1977), J. Mathematical Psychology 15, for the scores.
+/// change what the others draw.
+///
+/// Source   Gupta et al. (2004), algorithm 3; Kivinen, Warmuth (1997), Information and Computation 132, for the
+///          descent; Yellott (1977), J. Mathematical Psychology 15, for the scores.
 class RandomChoice final : public Policy {
  public:
   explicit RandomChoice(const RandomSettings& settings) : settings_(settings) {}

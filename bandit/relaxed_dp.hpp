@@ -21,8 +21,9 @@ struct RelaxedDpSettings {
 /// is kept are not tried for the cover, as lti/relaxed_dp does: what might be dropped besides is kept, which is safe.
 ///
 /// Many tracks leave little to drop: their schedules leave different tracks well known. Where more than kMostKept
-/// beliefs stay the search is given up (PlannedPolicy); beam is the one to take. Source  Alriksson, Rantzer (2005),
-/// procedure 1.
+/// beliefs stay the search is given up (PlannedPolicy); beam is the one to take.
+///
+/// Source   Alriksson, Rantzer (2005), procedure 1.
 class RelaxedDp final : public PlannedPolicy {
  public:
   explicit RelaxedDp(const RelaxedDpSettings& settings);

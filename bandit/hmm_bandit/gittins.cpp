@@ -9,10 +9,16 @@ namespace dwell::hmm_bandit {
 namespace {
 
 constexpr double kSameBelief = 1e-7;
+/// Change of a sweep at which it is over, relative to the largest value; and at which the rest is wavering between
+/// vectors that are alike, if the index has not grown for some sweeps either.
 constexpr double kSettled = 1e-14;
-constexpr int kMostSweeps = 20'000;
-/// Sweeps without growth after which the rest is wavering between vectors that are alike.
+constexpr double kWavers = 1e-12;
 constexpr int kPatience = 100;
+/// What b^sweeps may leave of a value that has not been seen yet.
+constexpr double kUnseen = 1e-12;
+/// Of sweeps times points squared: some minutes.
+constexpr double kMostWork = 2e10;
+constexpr int kMostSweeps = 1'000'000;
 /// Beliefs less likely than this, discounted, do not matter to the index.
 constexpr double kUnlikely = 1e-15;
 
@@ -72,7 +78,9 @@ GittinsResult gittins_index(const Arm& arm, const Eigen::VectorXd& belief, doubl
   GittinsResult result;
   double best = retirement;
   int grown = 0;  // the last sweep in which the index grew
-  for (result.sweeps = 1; result.sweeps <= kMostSweeps; ++result.sweeps) {
+  const double patience = kPatience + std::log(kUnseen) / std::log(discount);
+  const double most_sweeps = std::min<double>(kMostSweeps, kMostWork / std::pow(static_cast<double>(count), 2));
+  for (result.sweeps = 1; result.sweeps <= most_sweeps && !result.converged; ++result.sweeps) {
     g.colwise() = arm.reward;
     k.setZero();
     const Eigen::MatrixXd vectors = set.g + retirement * set.k;
@@ -107,11 +115,12 @@ GittinsResult gittins_index(const Arm& arm, const Eigen::VectorXd& belief, doubl
     set.g.rightCols(size) = g(Eigen::all, kept);
     set.k.rightCols(size) = k(Eigen::all, kept);
     const Eigen::VectorXd clipped = value.cwiseMax(retirement);
-    const double change = (clipped - last).cwiseAbs().maxCoeff();
+    const double change = (clipped - last).cwiseAbs().maxCoeff() / std::max(1e-300, clipped.cwiseAbs().maxCoeff());
     last = clipped;
     if (retirement > best + kSettled * std::abs(best)) grown = result.sweeps;
     best = std::max(best, retirement);
-    if (change <= kSettled * clipped.cwiseAbs().maxCoeff() || result.sweeps > grown + kPatience) break;
+    const int still = result.sweeps - grown;
+    result.converged = change <= kSettled || (change <= kWavers && still > kPatience) || still > patience;
   }
   result.index = (1.0 - discount) * best;
   result.points = static_cast<int>(count);

@@ -12,24 +12,23 @@ namespace dwell::hmm_bandit {
 /// value of playing at pi0. V_K is piecewise linear and convex: a set of vectors g + K k, backed up at points.
 ///
 ///   points   beliefs that plays may reach from pi0, the likeliest first (b^t P), merged at 1e-7
-///   backup   for each y the vector that is largest on the unnormalised belief B_y A' pi;  g = reward + b sum_y (B_y
-///   A')' g_y K        after each sweep exactly from the vector at pi0: K = g'pi0 / (1 - k'pi0)
+///   backup   for each y the vector that is largest on the unnormalised belief B_y A' pi;
+///            g = reward + b sum_y (B_y A')' g_y,  k = b sum_y (B_y A')' k_y
+///   K        after each sweep exactly from the vector at pi0: K = g'pi0 / (1 - k'pi0)
 ///
-/// Ends when a sweep changes no value at the points by 1e-14 of the largest, or K has not grown for 100. What results
-/// is the value of a rule that can be carried out: gamma from below, and exact once the set no longer changes.
+/// Converged where a sweep changes no value at the points by 1e-14 of the largest, or none by 1e-12 and K has not grown
+/// for 100 sweeps, or K has not grown while b^sweeps fell to 1e-12: until then a far reward behind a loss may not have
+/// been felt. Not converged where that takes more than 2e10 / points^2 or 1e6 sweeps.
+///
+/// What results is the value of a rule that can be carried out: gamma from below, and exact once the set no longer
+/// changes and the points are all that matter.
 struct GittinsResult {
   double index = 0.0;
+  bool converged = false;  ///< else the index may be higher
   int sweeps = 0;
   int points = 0;
   int vectors = 0;
 };
 GittinsResult gittins_index(const Arm& arm, const Eigen::VectorXd& belief, double discount, int most_points = 1500);
-
-/// The same from above, by another method: the belief on a regular grid of the simplex (`divisions` an edge),
-/// successors interpolated linearly in Freudenthal's triangulation, which overestimates a convex V; the finite chain's
-/// index is exact, by the largest remaining index with elimination of states, O(points^3). Points: (divisions + n - 1)
-/// choose (n - 1), and the belief itself. Use: the check of the first. Source   Varaiya, Walrand, Buyukkoc (1985);
-/// Sonin (2008); Lovejoy (1991) for the bound.
-double gittins_index_on_grid(const Arm& arm, const Eigen::VectorXd& belief, double discount, int divisions);
 
 }  // namespace dwell::hmm_bandit

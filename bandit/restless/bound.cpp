@@ -15,6 +15,11 @@ namespace {
 constexpr int kMeshPoints = 2000;
 /// Idle scans to which the mesh reaches, apart from misses.
 constexpr int kMeshIdle = 300;
+/// Variances at which an index is checked, and how far beyond what is large for the arm.
+constexpr int kCheckedStates = 30;
+constexpr double kFar = 10.0;
+/// In all, so that a discount near 1 takes no longer than some tenths of a second an arm.
+constexpr double kCheckedScans = 2e7;
 /// A certificate that close to the best policy known is not made better, relative.
 constexpr double kTight = 5e-5;
 
@@ -45,7 +50,7 @@ PricedValue discounted_threshold_value(const ScalarArm& arm, double p0, double d
   double power = 1.0;
   double p = p0;
   for (int t = 0; t < scans; ++t, power *= discount) {
-    const bool look = p >= high;
+    const bool look = !arm.blind() && p >= high;
     const double after = look ? arm.after_look(p) : p;
     value.cost += power * arm.weight * after;
     if (look) value.usage += power * arm.dwell;
@@ -64,19 +69,41 @@ double mesh_top(const Arm& arm) {
 
 }  // namespace
 
-Analysis analyse(const Problem& problem) {
+std::optional<IndexabilityReport> check_indexability(const Arm& arm, std::optional<double> discount) {
+  if (arm.states() != 1 || !(arm.q(0, 0) > 0.0)) return std::nullopt;
+  std::optional<IndexabilityReport> merged;
+  for (const Sensor& sensor : arm.sensors) {
+    const ScalarArm scalar = *scalar_arm(arm, sensor);
+    if (scalar.blind() || scalar.p_detect < 1.0) continue;
+    const double scans = discount ? std::log(1e-17) / std::log(*discount) : 0.0;
+    const int states = std::clamp(static_cast<int>(kCheckedScans / std::max(1.0, scans)), 5, kCheckedStates);
+    const double high = kFar * std::max({arm.p0(0, 0), scalar.q, scalar.r});
+    const IndexabilityReport one = check_indexability(scalar, scalar.q, high, states, discount);
+    if (!merged) merged.emplace();
+    merged->indexable = merged->indexable && one.indexable;
+    merged->monotone = merged->monotone && one.monotone;
+    merged->offenders.insert(merged->offenders.end(), one.offenders.begin(), one.offenders.end());
+  }
+  return merged;
+}
+
+Analysis analyse(const Problem& problem, const AnalysisSettings& settings) {
   const std::size_t count = problem.arms.size();
   const double discount = problem.discount_or_one();
   const bool scalar = has_scalar_arms(problem);
   const bool exact = scalar && std::all_of(problem.arms.begin(), problem.arms.end(), always_detects);
+  const bool values = settings.values || !scalar;
   std::vector<PricedArm> sets;
-  for (const Arm& arm : problem.arms) sets.emplace_back(arm, discount);
+  for (const Arm& arm : problem.arms) {
+    if (values) sets.emplace_back(arm, discount);
+  }
   std::vector<std::unique_ptr<ScalarMesh>> meshes(count);
   for (std::size_t i = 0; i < count && scalar && !exact; ++i) {
     const Arm& arm = problem.arms[i];
     meshes[i] = std::make_unique<ScalarMesh>(arm, discount, mesh_top(arm), kMeshPoints);
   }
   const auto solve = [&](std::size_t i, double price) -> PricedValue {
+    if (settings.stop && settings.stop()) throw Stopped{};
     const Arm& arm = problem.arms[i];
     if (!scalar) return sets[i].solve(price);
     if (!exact) return meshes[i]->solve(price);
@@ -87,27 +114,36 @@ Analysis analyse(const Problem& problem) {
   };
   const Relaxation relaxation = maximise_over_price(count, relaxed_capacity(problem), price_scale(problem), solve);
   Analysis analysis;
-  analysis.bound = {relaxation.value,
-                    exact    ? BoundKind::kExact
-                    : scalar ? BoundKind::kCertified
-                             : BoundKind::kReference,
-                    relaxation.price, 0.0};
+  const auto thresholds_are_best = [&](const Arm& arm) {
+    const auto report = check_indexability(arm, problem.discount);
+    return !report || (report->indexable && report->monotone);
+  };
+  BoundKind kind = BoundKind::kReference;
+  if (scalar) kind = exact && relaxation.solved ? BoundKind::kExact : BoundKind::kCertified;
+  if (exact && problem.discount && !std::all_of(problem.arms.begin(), problem.arms.end(), thresholds_are_best)) {
+    kind = BoundKind::kReference;
+  }
+  analysis.bound = {relaxation.value, kind, relaxation.price, std::nullopt};
   analysis.priced.price = relaxation.price;
-  analysis.bound.reference = -relaxation.price * relaxed_capacity(problem);
+  if (!values) return analysis;
+  double reference = -relaxation.price * relaxed_capacity(problem);
   for (PricedArm& set : sets) {
+    if (settings.stop && settings.stop()) throw Stopped{};
     analysis.priced_costs.push_back(set.solve(relaxation.price).total(relaxation.price));
-    analysis.bound.reference += analysis.priced_costs.back();
+    reference += analysis.priced_costs.back();
     analysis.priced.values.push_back(set.value());
   }
+  analysis.bound.reference = reference;
   return analysis;
 }
 
-Bound certify(const Problem& problem, const Analysis& analysis) {
+Bound certify(const Problem& problem, const Analysis& analysis, const std::function<bool()>& stop) {
   const auto two_states = [](const Arm& arm) { return arm.states() == 2; };
   if (!std::all_of(problem.arms.begin(), problem.arms.end(), two_states)) return analysis.bound;
   const double price = analysis.priced.price;
   double value = -price * relaxed_capacity(problem);
   for (std::size_t i = 0; i < problem.arms.size(); ++i) {
+    if (stop && stop()) throw Stopped{};
     CertificateSettings settings;
     settings.enough = analysis.priced_costs[i] * (1.0 - kTight);
     value += certify(problem.arms[i], problem.discount_or_one(), price, analysis.priced.values[i], settings).value;

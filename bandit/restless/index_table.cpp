@@ -21,6 +21,8 @@ Arm with_one_sensor(const Arm& arm, std::size_t sensor) {
   return one;
 }
 
+bool nothing_to_gain(const ScalarArm& arm) { return arm.blind() || arm.weight == 0.0; }
+
 /// No index is above this: what idling for ever from p costs over one look, over a horizon of 1000 scans.
 double highest_price(const ScalarArm& scalar, double p, double discount) {
   double cost = 0.0;
@@ -33,6 +35,7 @@ double highest_price(const ScalarArm& scalar, double p, double discount) {
 
 double whittle_of(const Arm& arm, std::size_t sensor, std::optional<double> discount, double p) {
   const ScalarArm scalar = *scalar_arm(arm, arm.sensors[sensor]);
+  if (nothing_to_gain(scalar)) return 0.0;
   if (scalar.p_detect == 1.0) return whittle_index(scalar, p, discount);
   ScalarMesh mesh(with_one_sensor(arm, sensor), discount.value_or(1.0), p, kMeshPointsOfOneValue);
   return calibrated_index(mesh, 0, p, highest_price(scalar, p, discount.value_or(1.0)));
@@ -40,7 +43,8 @@ double whittle_of(const Arm& arm, std::size_t sensor, std::optional<double> disc
 
 IndexTable::IndexTable(const Arm& arm, std::size_t sensor, std::optional<double> discount) {
   const ScalarArm scalar = *scalar_arm(arm, arm.sensors[sensor]);
-  const double low = std::max(scalar.q, 1e-9 * arm.p0(0, 0));
+  if (nothing_to_gain(scalar)) return;
+  const double low = std::max(arm.p0(0, 0) > 0.0 ? std::min(scalar.q, arm.p0(0, 0)) : scalar.q, 1e-9 * arm.p0(0, 0));
   double high = arm.p0(0, 0);
   for (int t = 0; t < 200 && high < 1000.0 * std::max(arm.p0(0, 0), low); ++t)
     high = std::max(high, scalar.predict(high));
@@ -73,9 +77,9 @@ IndexTable::IndexTable(const Arm& arm, std::size_t sensor, std::optional<double>
 }
 
 double IndexTable::operator()(double p) const {
+  if (index_.size() < 2 || p == 0.0) return 0.0;
   const double x = std::log(p);
   const auto above = std::upper_bound(log_p_.begin(), log_p_.end(), x);
-  if (log_p_.size() < 2) return p;
   auto i = static_cast<std::size_t>(std::max<std::ptrdiff_t>(1, above - log_p_.begin()));
   i = std::min(i, log_p_.size() - 1);
   const double share = (x - log_p_[i - 1]) / (log_p_[i] - log_p_[i - 1]);

@@ -13,6 +13,11 @@ namespace dwell::restless {
 /// with V_i at the end (the arms are then independent) or, without, nothing. Detections and misses are both followed. A
 /// scan's looks (looks_per_scan, each at another arm) are committed one after another, each where it gains most; of the
 /// last scan that is the exact optimum, as gains of different arms add up there.
+///
+/// Every scan of the search has looks_per_scan looks, whatever their dwell: what the bucket holds is not followed.
+///
+/// Cost     pairs^(depth - 1) x arms sums a look to be made, twice that exponent where looks miss, times looks_per_scan
+///          squared; each covariance is worked out once. No pair is left out: a hundred arms take depth 2, ten depth 3.
 struct Closure {
   const ValueSet* value = nullptr;  ///< of the arm; none: costs end with the last scan
 };

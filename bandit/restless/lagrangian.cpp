@@ -2,13 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "bandit/restless/covariance.hpp"
+#include "radar/assert.hpp"
 
 namespace dwell::restless {
 namespace {
 
 constexpr int kMostCuts = 60;
 constexpr double kSolved = 1e-9;
+/// Of the first price: beyond that no double is left.
+constexpr int kMostDoublings = 900;
 
 /// The least line of an arm at a price; of equal ones that with the least usage.
 PricedValue least_line(const std::vector<PricedValue>& lines, double price) {
@@ -50,7 +54,7 @@ struct Model {
 Relaxation maximise_over_price(std::size_t arms, double capacity, double first_price, const SolveArm& solve) {
   Model model{std::vector<std::vector<PricedValue>>(arms), capacity};
   const auto solve_all = [&](double price) {
-    Relaxation at{-price * capacity, price, {}};
+    Relaxation at{-price * capacity, price, false, {}};
     for (std::size_t i = 0; i < arms; ++i) {
       at.arms.push_back(solve(i, price));
       model.lines[i].push_back(at.arms.back());
@@ -63,9 +67,13 @@ Relaxation maximise_over_price(std::size_t arms, double capacity, double first_p
     for (const PricedValue& arm : at.arms) sum += arm.usage;
     return sum;
   };
-  double high = std::max(first_price, std::numeric_limits<double>::min());
+  DWELL_ASSERT(first_price > 0.0);
+  double high = first_price;
   Relaxation best = solve_all(high);
-  while (usage_of(best) > capacity && high < 1e12 * first_price) best = solve_all(high *= 2.0);
+  for (int doubling = 0; usage_of(best) > capacity && doubling < kMostDoublings; ++doubling) {
+    best = solve_all(high *= 2.0);
+  }
+  if (usage_of(best) > capacity) return best;
   for (int cut = 0; cut < kMostCuts; ++cut) {
     const double price = model.peak(high);
     const double promised = model.value(price);
@@ -73,6 +81,7 @@ Relaxation maximise_over_price(std::size_t arms, double capacity, double first_p
     if (at.value > best.value || at.price == best.price) best = at;
     if (at.value >= promised - kSolved * std::abs(promised)) {
       best = at;
+      best.solved = true;
       break;
     }
   }
@@ -87,11 +96,14 @@ double relaxed_capacity(const Problem& problem) {
 double price_scale(const Problem& problem) {
   double scale = 0.0;
   for (const Arm& arm : problem.arms) {
-    for (const Sensor& sensor : arm.sensors) {
-      scale = std::max(scale, (scan_cost(arm, arm.p0) - expected_scan_cost(arm, sensor, arm.p0)) / arm.dwell);
+    const Matrix settled = all_looks(arm).covariance;
+    for (const Matrix& p : {arm.p0, settled, predict(arm, settled)}) {
+      for (const Sensor& sensor : arm.sensors) {
+        scale = std::max(scale, (scan_cost(arm, p) - expected_scan_cost(arm, sensor, p)) / arm.dwell);
+      }
     }
   }
-  return scale;
+  return scale > 0.0 ? scale : 1.0;
 }
 
 }  // namespace dwell::restless

@@ -16,10 +16,12 @@ namespace dwell::restless {
 ///
 /// Maximised by cutting planes: each solution (cost_i, usage_i) of an arm is a line above J_i at all prices; the next
 /// price is where the sum of the least lines peaks. Done when no arm's solution is below its lines by more than 1e-9 of
-/// B. Where the price is 0 the capacity does not bind.
+/// B. Where the price is 0 the capacity does not bind. The search starts from a price that is doubled until the usage
+/// is below the capacity.
 struct Relaxation {
   double value = 0.0;
   double price = 0.0;
+  bool solved = false;            ///< else this price is not the best: the value is below B
   std::vector<PricedValue> arms;  ///< at that price
 };
 
@@ -30,7 +32,8 @@ Relaxation maximise_over_price(std::size_t arms, double capacity, double first_p
 /// The capacity of the constraint that the relaxation replaces.
 double relaxed_capacity(const Problem& problem);
 
-/// A price of the right order: the largest one-step gain of a look, per dwell, at the start.
+/// A price of the right order: the largest one-step gain of a look, per dwell, at the start, where looks in every scan
+/// settle, or a scan after that. Above 0.
 double price_scale(const Problem& problem);
 
 }  // namespace dwell::restless

@@ -23,7 +23,7 @@ struct Rate {
 
 double mechanical_cost(const ScalarArm& arm, int m, int n) {
   const double f2 = arm.f * arm.f;
-  if (m == 0) {
+  if (m == 0 || arm.blind()) {
     return f2 < 1.0 ? arm.weight * arm.q / (1.0 - f2) : std::numeric_limits<double>::infinity();
   }
   double a = 1.0, b = 0.0, c = 0.0, d = 1.0;
@@ -57,7 +57,7 @@ RatedCost best_rate(const ScalarArm& arm, double price) {
   };
   Rate low = at(0, 1);
   Rate high = at(1, 1);
-  if (low.total <= at(1, kLargestDenominator).total) return answer(low);
+  if (arm.blind() || low.total <= at(1, kLargestDenominator).total) return answer(low);
   if (high.total <= at(kLargestDenominator - 1, kLargestDenominator).total) return answer(high);
   Rate middle = mediant(low, high);
   while (middle.n + std::max(low.n, high.n) <= kLargestDenominator) {

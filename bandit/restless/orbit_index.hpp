@@ -18,8 +18,12 @@ struct OrbitSettings {
 /// at least that of P. P_d < 1: the expected covariance P_d M + (1 - P_d) P takes the place of M. For scalar arms with
 /// P_d = 1 and enough steps it is Whittle's discounted index.
 ///
+/// Where the floor .05 is what is divided by, both orbits look about as often and the number means nothing: neither as
+/// a price nor for ranking, but that it is the larger the more the look saves.
+///
 /// Cost     2 x steps x sensors covariance updates.
-/// Source   the first-passage form of Nino-Mora's marginal productivity index, with a level in place of the scalar state.
+///
+/// Source   the first-passage form of Nino-Mora's marginal productivity index; a level in place of the scalar state.
 double orbit_index(const Arm& arm, std::size_t sensor, const Matrix& predicted, const OrbitSettings& settings = {});
 
 }  // namespace dwell::restless

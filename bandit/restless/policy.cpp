@@ -102,6 +102,8 @@ class TurnRule final : public Policy {
     }
   }
 
+  void reset() override { arm_ = sensor_ = 0; }
+
  private:
   Look next(std::size_t arms) const {
     const std::size_t sensors = problem_.arms[arm_ % arms].sensors.size();

@@ -54,6 +54,8 @@ class Policy {
   /// `predicted` one an arm; `capacity` is what the bucket holds. Looks are made as long as capacity lasts; where the
   /// best costs more than there is, the bucket is left to fill.
   virtual void choose(const std::vector<Matrix>& predicted, double capacity, std::vector<Look>& looks) = 0;
+  /// Forgets what it chose before.
+  virtual void reset() {}
 };
 
 /// `problem` and `priced` outlive the policy. `whittle` requires arms of one state.

@@ -14,6 +14,17 @@ constexpr double kBetter = 1e-11;
 constexpr double kSameGain = 1e-11;
 /// How much of a backup goes into a relative value where misses branch.
 constexpr double kLazy = 0.5;
+/// Spread of the gains of all nodes at which those sweeps end, relative.
+constexpr double kSwept = 1e-11;
+/// Change of the value at which improvements may end while a hundredth of the points still waver, relative.
+constexpr double kSettled = 1e-9;
+/// Doublings of a pause; a covariance that has not moved after so many scans has settled.
+constexpr int kPauses = 30;
+/// A pause ends that far from its start, in the distance at which covariances are one: what is one with the end is then
+/// beyond the start. Requires distances below .04.
+constexpr double kApart = 1.05;
+/// Discounted sweeps after which what is left is taken to be a constant.
+constexpr int kExtrapolate = 32;
 /// Idle lengths of the seeds' periodic looks.
 constexpr int kSeedPeriods[] = {1, 2, 3, 4, 6, 8, 12, 16, 24};
 
@@ -32,6 +43,18 @@ PricedArm::PricedArm(const Arm& arm, double discount, const PricedArmSettings& s
   const double forgotten = 1.0 - std::min(discount * all_looks(arm).memory, kMostMemory);
   most_sweeps_ = std::max(3000, static_cast<int>(40.0 / forgotten));
   if (arm.states() > 2) same_point_ = std::max(same_point_, settings.same_point_of_many_states);
+  pauses_.push_back({1.0, discount_, idle_map_, q_, scan_cost_, 0.0});
+  while (pauses_.size() < kPauses) {
+    const Pause& half = pauses_.back();
+    pauses_.push_back({2.0 * half.scans, half.discount * half.discount, half.after * half.after,
+                       half.after * half.noise + half.noise,
+                       half.cost + half.discount * (half.after.transpose() * half.cost),
+                       half.cost_noise + half.discount * (half.cost.dot(half.noise) + half.cost_noise)});
+    if (!pauses_.back().after.allFinite() || !pauses_.back().cost.allFinite()) {
+      pauses_.pop_back();
+      break;
+    }
+  }
   seed();
 }
 
@@ -43,43 +66,57 @@ const PricedArm::LookMap& PricedArm::look_of(std::size_t k) const {
   return points_[k].looks[static_cast<std::size_t>(nodes_[k].sensor)];
 }
 
-void PricedArm::add_seed(const Matrix& predicted) { seeds_.push_back(find_or_add(pack_state(predicted))); }
-
-/// Trace of the covariance in state form.
-double PricedArm::size(const Packed& p) const {
-  double trace = 0.0;
-  Eigen::Index at = 0;
-  for (Eigen::Index n = arm_.states(); n > 0; at += n, --n) trace += p[at];
-  return trace;
+const PricedArm::Pause& PricedArm::pause_of(std::size_t k) const {
+  return pauses_[static_cast<std::size_t>(points_[k].pause)];
 }
 
-/// The point that is the same covariance, of those larger than `above`; -1: none.
-int PricedArm::find(const Packed& p, double above) const {
+double PricedArm::scans(std::size_t k) const { return nodes_[k].sensor < 0 ? pause_of(k).scans : 1.0; }
+
+double PricedArm::next_discount(std::size_t k) const { return nodes_[k].sensor < 0 ? pause_of(k).discount : discount_; }
+
+/// Whether no element differs by more than that part of the standard deviations of `p`.
+bool PricedArm::near(const Packed& p, const Packed& other, double relative) const {
   const Eigen::Index n = arm_.states();
   double sigma[kMaximumStates];
   Eigen::Index at = 0;
   for (Eigen::Index j = 0; j < n; at += n - j, ++j) sigma[j] = std::sqrt(p[at]);
-  for (std::size_t k = 0; k < points_.size(); ++k) {
-    const Packed& other = points_[k].p;
-    bool same = true;
-    at = 0;
-    for (Eigen::Index j = 0; same && j < n; ++j) {
-      for (Eigen::Index i = j; same && i < n; ++i, ++at) {
-        same = std::abs(other[at] - p[at]) <= same_point_ * sigma[i] * sigma[j];
-      }
+  at = 0;
+  for (Eigen::Index j = 0; j < n; ++j) {
+    for (Eigen::Index i = j; i < n; ++i, ++at) {
+      if (!(std::abs(other[at] - p[at]) <= relative * sigma[i] * sigma[j])) return false;
     }
-    if (same && size(other) > above) return static_cast<int>(k);
+  }
+  return true;
+}
+
+/// The point that is the same covariance; -1: none.
+int PricedArm::find(const Packed& p) const {
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    if (near(p, points_[k].p, same_point_)) return static_cast<int>(k);
   }
   return -1;
 }
 
-int PricedArm::find_or_add(const Packed& p) {
-  const int found = find(p);
-  return found >= 0 ? found : add(p);
+/// The shortest pause that leaves the point's neighbourhood: what is the same as its end is another point, and not one
+/// on the way. One scan where none does: the covariance has settled.
+void PricedArm::place_pause(Point& point) {
+  for (std::size_t k = 0; k < pauses_.size(); ++k) {
+    const Packed end = pauses_[k].after * point.p + pauses_[k].noise;
+    if (!end.allFinite()) break;
+    if (near(end, point.p, kApart * same_point_)) continue;
+    point.pause = static_cast<int>(k);
+    point.pause_successor = end;
+    return;
+  }
+  point.pause = 0;
+  point.pause_successor = point.idle_successor;
 }
 
-int PricedArm::add(const Packed& p) {
-  Point point{p, idle_map_ * p + q_, {}};
+int PricedArm::find_or_add(const Packed& p) {
+  const int found = find(p);
+  if (found >= 0) return found;
+  Point point{p, idle_map_ * p + q_, 0, {}, {}};
+  place_pause(point);
   const Matrix predicted = unpack_state(p, arm_.states());
   for (const Sensor& sensor : arm_.sensors) {
     const LookUpdate look = look_update(sensor, predicted);
@@ -104,23 +141,22 @@ int PricedArm::add(const Packed& p) {
   return static_cast<int>(count) - 1;
 }
 
-/// The point of a covariance that a node leads to; once the points are all given, the nearest of those larger than
-/// `above`, or the largest: a loop without a look, whose plans are then not kept.
-int PricedArm::node_at(const Packed& p, double above) {
-  const int found = find(p, above);
+/// The point of a covariance that a node leads to; once the points are all given, the active one whose plan costs least
+/// from there.
+int PricedArm::node_at(const Packed& p) {
+  const int found = find(p);
   if (found >= 0) return found;
-  if (static_cast<int>(points_.size()) < settings_.maximum_points) return add(p);
-  int nearest = -1;
-  std::size_t largest = 0;
+  if (static_cast<int>(points_.size()) < settings_.maximum_points) return find_or_add(p);
+  int nearest = 0;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < points_.size(); ++k) {
-    if (size(points_[k].p) > size(points_[largest].p)) largest = k;
     const double apart = (points_[k].p - p).squaredNorm();
-    if (apart >= least || size(points_[k].p) <= above) continue;
-    least = apart;
-    nearest = static_cast<int>(k);
+    if (apart < least) {
+      least = apart;
+      nearest = static_cast<int>(k);
+    }
   }
-  return nearest >= 0 ? nearest : static_cast<int>(largest);
+  return nearest;
 }
 
 /// The first V is that of looks with every sensor in turn, without a pause: stable wherever some policy is. The seeds
@@ -142,8 +178,7 @@ void PricedArm::seed() {
     const int next = cycle[(i + 1) % cycle.size()];
     nodes_[static_cast<std::size_t>(cycle[i])] = {true, static_cast<int>(i), next, next};
   }
-  sort_successors_first();
-  if (!evaluate(0.0)) throw std::domain_error("no plan of a finite cost was found");
+  if (!evaluate(0.0)) throw std::domain_error("looks in every scan have no finite cost");
   publish(0.0);
 
   seeds_.push_back(find_or_add(pack_state(arm_.p0)));
@@ -189,14 +224,16 @@ bool PricedArm::choose(std::size_t k, double price) {
   const double p_d = best < 0 ? 0.0 : arm_.sensors[static_cast<std::size_t>(best)].p_detect;
   // Copies: a new point may move the old ones.
   const Packed idle_successor = points_[k].idle_successor;
-  const double before_idle = size(points_[k].p);
-  const double above = best < 0 && size(idle_successor) > before_idle ? before_idle : -1.0;
+  const Packed pause_successor = points_[k].pause_successor;
   if (p_d > 0.0) {
     const Packed detected = points_[k].looks[static_cast<std::size_t>(best)].successor;
     node.detected = node_at(detected);
   }
-  node.missed = p_d < 1.0 ? node_at(idle_successor, above) : node.detected;
-  if (p_d == 0.0) node.detected = node.missed;
+  if (best < 0) {
+    node.detected = node.missed = node_at(pause_successor);
+  } else {
+    node.missed = p_d < 1.0 ? node_at(idle_successor) : node.detected;
+  }
   nodes_[k] = node;
   return !was_active || best != before;
 }
@@ -244,57 +281,32 @@ void PricedArm::keep_only(const std::vector<char>& reached) {
     node.missed = place[static_cast<std::size_t>(node.missed)];
   }
   for (int& seed : seeds_) seed = place[static_cast<std::size_t>(seed)];
-  sort_successors_first();
-}
-
-/// So that one sweep takes a change of a plan to all that lead to it.
-void PricedArm::sort_successors_first() {
-  enum class Seen : char { kNot, kEntered, kDone };
-  order_.clear();
-  std::vector<Seen> seen(nodes_.size(), Seen::kNot);
-  std::vector<int> open;
-  for (std::size_t start = 0; start < nodes_.size(); ++start) {
-    open.push_back(static_cast<int>(start));
-    while (!open.empty()) {
-      Seen& here = seen[static_cast<std::size_t>(open.back())];
-      const Node& node = nodes_[static_cast<std::size_t>(open.back())];
-      if (here == Seen::kNot) {
-        here = Seen::kEntered;
-        for (const int next : {node.detected, node.missed}) {
-          if (seen[static_cast<std::size_t>(next)] == Seen::kNot) open.push_back(next);
-        }
-        continue;
-      }
-      if (here == Seen::kEntered) order_.push_back(open.back());
-      here = Seen::kDone;
-      open.pop_back();
-    }
-  }
 }
 
 /// The weights that a node's action and successors give it, from theirs.
 Packed PricedArm::backed_up_weight(std::size_t k) const {
   const Node& node = nodes_[k];
+  if (node.sensor < 0) {
+    const Pause& pause = pause_of(k);
+    return pause.cost + pause.discount * (pause.after.transpose() * weights_.col(node.missed));
+  }
   const double p_d = p_detect(node);
   Packed l = Packed::Zero(q_.size());
   if (p_d < 1.0) l = (1.0 - p_d) * (scan_cost_ + discount_ * (idle_map_.transpose() * weights_.col(node.missed)));
-  if (p_d > 0.0) {
-    const LookMap& look = look_of(k);
-    l += p_d * (look.cost + discount_ * (look.after.transpose() * weights_.col(node.detected)));
-  }
+  const LookMap& look = look_of(k);
+  l += p_d * (look.cost + discount_ * (look.after.transpose() * weights_.col(node.detected)));
   return l;
 }
 
 /// All L of the controller, to rounding. A loop of plans that never looks at an unstable arm has none: its nodes, and
-/// what leads to them, are not kept.
-void PricedArm::solve_weights() {
-  const double converged = 1e4 * settings_.solved;
+/// what leads to them, are not kept. Whether any is.
+bool PricedArm::solve_weights() {
+  constexpr double kConverged = 1e-9;
   constexpr double kEndless = 1e100;
   std::vector<double> change(nodes_.size(), 0.0);
   for (int step = 0; step < most_sweeps_; ++step) {
     double largest = 0.0;
-    for (const int node : order_) {
-      const auto k = static_cast<std::size_t>(node);
+    for (std::size_t k = nodes_.size(); k-- > 0;) {  // successors have been added later: most go first
       if (!nodes_[k].active || change[k] == kEndless) continue;
       const Packed l = backed_up_weight(k);
       const double scale = l.cwiseAbs().maxCoeff();
@@ -304,10 +316,11 @@ void PricedArm::solve_weights() {
       if (!(scale < kEndless)) change[k] = kEndless;
       largest = std::max(largest, change[k]);
     }
-    if (largest < settings_.solved) break;
+    if (largest < 1e-13) break;
   }
   kept_.assign(nodes_.size(), 0);
-  for (std::size_t k = 0; k < nodes_.size(); ++k) kept_[k] = nodes_[k].active && change[k] < converged ? 1 : 0;
+  for (std::size_t k = 0; k < nodes_.size(); ++k) kept_[k] = nodes_[k].active && change[k] < kConverged ? 1 : 0;
+  return std::find(kept_.begin(), kept_.end(), 1) != kept_.end();
 }
 
 void PricedArm::immediate() {
@@ -317,9 +330,13 @@ void PricedArm::immediate() {
   for (Eigen::Index k = 0; k < count; ++k) {
     const Node& node = nodes_[static_cast<std::size_t>(k)];
     if (kept_[static_cast<std::size_t>(k)] == 0) continue;
+    if (node.sensor < 0) {
+      const Pause& pause = pause_of(static_cast<std::size_t>(k));
+      cost_now_[k] = pause.cost_noise + pause.discount * weights_.col(node.missed).dot(pause.noise);
+      continue;
+    }
     const double p_d = p_detect(node);
     if (p_d < 1.0) cost_now_[k] += (1.0 - p_d) * discount_ * weights_.col(node.missed).dot(q_);
-    if (node.sensor < 0) continue;
     const LookMap& look = look_of(static_cast<std::size_t>(k));
     cost_now_[k] += p_d * (look.cost_noise + discount_ * weights_.col(node.detected).dot(look.after_noise));
     work_now_[k] = arm_.dwell;
@@ -331,12 +348,11 @@ bool PricedArm::deterministic() const {
                      [&](const Node& node) { return !node.active || node.sensor < 0 || p_detect(node) == 1.0; });
 }
 
-/// False where no node of the policy has a plan: all lead to a loop that never looks at an unstable arm.
+/// Whether a plan has a finite cost.
 bool PricedArm::evaluate(double price) {
-  solve_weights();
-  if (std::find(kept_.begin(), kept_.end(), 1) == kept_.end()) return false;
+  if (!solve_weights()) return false;
   immediate();
-  if (discount_ == 1.0 && deterministic()) {
+  if (deterministic()) {
     solve_constants_by_cycles(price);
   } else {
     solve_constants_by_sweeps(price);
@@ -344,13 +360,32 @@ bool PricedArm::evaluate(double price) {
   return true;
 }
 
-/// One successor a node: every walk ends in a cycle, whose mean is the gain of all that lead to it.
+/// One successor a node: every walk ends in a cycle. Average cost: its mean is the gain of all that lead to it.
+/// Discounted: what one turn costs, over 1 - b^length, is the constant of its first node.
 void PricedArm::solve_constants_by_cycles(double price) {
+  const bool average = discount_ == 1.0;
   std::vector<int> cycle_of(nodes_.size(), -1);
   std::vector<int> walk_of(nodes_.size(), -1);
   std::vector<PricedValue> means;
   std::vector<std::size_t> walk;
   const auto successor = [&](std::size_t k) { return static_cast<std::size_t>(nodes_[k].detected); };
+  const auto close = [&](std::size_t k) {
+    PricedValue turn;
+    double length = 0.0;
+    double power = 1.0;
+    std::size_t j = k;
+    do {
+      turn.cost += power * cost_now_[static_cast<Eigen::Index>(j)];
+      turn.usage += power * work_now_[static_cast<Eigen::Index>(j)];
+      length += scans(j);
+      power *= next_discount(j);
+      j = successor(j);
+    } while (j != k);
+    const auto at = static_cast<Eigen::Index>(k);
+    cost_[at] = average ? -weights_.col(at).dot(points_[k].p) : turn.cost / (1.0 - power);
+    work_[at] = average ? 0.0 : turn.usage / (1.0 - power);
+    means.push_back(average ? PricedValue{turn.cost / length, turn.usage / length} : PricedValue{});
+  };
   for (std::size_t start = 0; start < nodes_.size(); ++start) {
     if (kept_[start] == 0) continue;
     walk.clear();
@@ -360,23 +395,9 @@ void PricedArm::solve_constants_by_cycles(double price) {
       walk.push_back(k);
       k = successor(k);
     }
-    if (cycle_of[k] < 0) {  // a new cycle, through k: there the value is 0
-      PricedValue mean;
-      int length = 0;
-      std::size_t j = k;
-      do {
-        mean.cost += cost_now_[static_cast<Eigen::Index>(j)];
-        mean.usage += work_now_[static_cast<Eigen::Index>(j)];
-        ++length;
-        j = successor(j);
-      } while (j != k);
-      mean.cost /= length;
-      mean.usage /= length;
+    if (cycle_of[k] < 0) {  // a new cycle, through k
       cycle_of[k] = static_cast<int>(means.size());
-      means.push_back(mean);
-      const auto at = static_cast<Eigen::Index>(k);
-      cost_[at] = -weights_.col(at).dot(points_[k].p);
-      work_[at] = 0.0;
+      close(k);
     }
     for (auto node = walk.rbegin(); node != walk.rend(); ++node) {
       if (cycle_of[*node] >= 0) continue;
@@ -384,10 +405,12 @@ void PricedArm::solve_constants_by_cycles(double price) {
       cycle_of[*node] = cycle_of[next];
       const PricedValue& mean = means[static_cast<std::size_t>(cycle_of[next])];
       const auto at = static_cast<Eigen::Index>(*node);
-      cost_[at] = cost_now_[at] - mean.cost + cost_[static_cast<Eigen::Index>(next)];
-      work_[at] = work_now_[at] - mean.usage + work_[static_cast<Eigen::Index>(next)];
+      const auto to = static_cast<Eigen::Index>(next);
+      cost_[at] = cost_now_[at] - scans(*node) * mean.cost + next_discount(*node) * cost_[to];
+      work_[at] = work_now_[at] - scans(*node) * mean.usage + next_discount(*node) * work_[to];
     }
   }
+  if (!average) return;
   mean_ = *std::min_element(means.begin(), means.end(), [&](const PricedValue& a, const PricedValue& b) {
     return a.total(price) < b.total(price);
   });
@@ -399,29 +422,33 @@ void PricedArm::solve_constants_by_cycles(double price) {
   }
 }
 
-/// The same where a node has two successors, by (lazy) value iteration of the fixed controller.
+/// The same where a node has two successors, by lazy value iteration of the fixed controller. A pause counts for as
+/// many scans as it has (Schweitzer's transformation). Discounted, what is left is close to a constant after some
+/// sweeps: it is added at once.
 void PricedArm::solve_constants_by_sweeps(double price) {
-  constexpr int kMost = 20'000;
   const bool average = discount_ == 1.0;
-  const double mix = average ? kLazy : 1.0;
+  const int most = average ? 20'000 : std::max(20'000, static_cast<int>(40.0 / (kLazy * (1.0 - discount_))));
   const auto count = static_cast<Eigen::Index>(nodes_.size());
   Eigen::VectorXd more_cost = Eigen::VectorXd::Zero(count);
   Eigen::VectorXd more_work = Eigen::VectorXd::Zero(count);
   // A kept node: those of the first cycle are.
   const Eigen::Index reference = std::find(kept_.begin(), kept_.end(), 1) - kept_.begin();
-  for (int step = 0; step < kMost; ++step) {
+  for (int step = 0; step < most; ++step) {
     for (Eigen::Index k = 0; k < count; ++k) {
-      const Node& node = nodes_[static_cast<std::size_t>(k)];
-      if (kept_[static_cast<std::size_t>(k)] == 0) continue;
+      const auto at = static_cast<std::size_t>(k);
+      const Node& node = nodes_[at];
+      if (kept_[at] == 0) continue;
       const double p_d = p_detect(node);
+      const double discount = next_discount(at);
+      const double length = scans(at);
       const auto expected = [&](const Eigen::VectorXd& c) {
-        return discount_ * (p_d * c[node.detected] + (1.0 - p_d) * c[node.missed]) - c[k];
+        return discount * (p_d * c[node.detected] + (1.0 - p_d) * c[node.missed]) - c[k];
       };
-      more_cost[k] = cost_now_[k] + expected(cost_);
-      more_work[k] = work_now_[k] + expected(work_);
+      more_cost[k] = (cost_now_[k] + expected(cost_)) / length;
+      more_work[k] = (work_now_[k] + expected(work_)) / length;
     }
-    cost_.head(count) += mix * more_cost;
-    work_.head(count) += mix * more_work;
+    cost_.head(count) += kLazy * more_cost;
+    work_.head(count) += kLazy * more_work;
     double low = std::numeric_limits<double>::infinity();
     double high = -low;
     double scale = 0.0;
@@ -435,9 +462,13 @@ void PricedArm::solve_constants_by_sweeps(double price) {
       mean_ = {more_cost[reference], more_work[reference]};
       cost_.head(count).array() -= cost_[reference];
       work_.head(count).array() -= work_[reference];
-      if (high - low <= settings_.swept * std::abs(high)) break;
-    } else if (std::max(-low, high) <= 1e-15 * scale) {
-      break;
+      if (high - low <= kSwept * std::abs(high)) break;
+    } else {
+      if (std::max(-low, high) <= 1e-15 * scale) break;
+      if (step % kExtrapolate == kExtrapolate - 1) {
+        cost_.head(count).array() += more_cost[reference] / (1.0 - discount_);
+        work_.head(count).array() += more_work[reference] / (1.0 - discount_);
+      }
     }
   }
 }
@@ -452,24 +483,24 @@ void PricedArm::publish(double price) {
   value_ = ValueSet(weights_(Eigen::all, kept), published_cost_ + price * published_work_);
 }
 
-/// From p0, of the last policy that had plans.
-PricedValue PricedArm::published() const {
-  if (discount_ == 1.0) return mean_;
-  const Packed start = pack_state(arm_.p0);
-  const Eigen::Index plan = value_.best_plan(start);
-  return {value_.weights().col(plan).dot(start) + published_cost_[plan], published_work_[plan]};
-}
-
 PricedValue PricedArm::solve(double price) {
-  PricedValue value = published();
+  PricedValue value;
   for (int improvement = 0; improvement < settings_.improvements; ++improvement) {
     const std::size_t changed = follow(price);
-    if (!evaluate(price)) break;  // the value of the policy before stays
-    publish(price);
-    const double before = improvement == 0 ? 0.0 : value.total(price);
-    value = published();
+    if (evaluate(price)) {
+      publish(price);
+    } else {
+      value_ = ValueSet(value_.weights(), published_cost_ + price * published_work_);
+    }
+    const double before = value.total(price);
+    value = mean_;
+    if (discount_ < 1.0) {
+      const Packed start = pack_state(arm_.p0);
+      const Eigen::Index plan = value_.best_plan(start);
+      value = {value_.weights().col(plan).dot(start) + published_cost_[plan], published_work_[plan]};
+    }
     if (changed == 0) break;
-    const bool settled = std::abs(value.total(price) - before) <= settings_.settled * std::abs(before);
+    const bool settled = std::abs(value.total(price) - before) <= kSettled * std::abs(before);
     if (settled && 100 * changed < points_.size()) break;
   }
   return value;

@@ -17,10 +17,6 @@ struct PricedValue {
 struct PricedArmSettings {
   int maximum_points = 2000;
   int improvements = 60;  ///< of the policy; a dozen is usual
-  double settled =
-      1e-9;              ///< relative change of the value at which they end while a hundredth of the points still waver
-  double swept = 1e-11;  ///< spread of the gains of all nodes at which the sweeps end where misses branch, relative
-  double solved = 1e-13;  ///< relative change at which the plans of a policy are solved
   /// Covariances this close, relative to their standard deviations, are one point. Plans are tangents of V: what is
   /// lost is of second order. Where misses branch, the coarser one keeps the points few.
   double same_point = 1e-3;
@@ -37,23 +33,26 @@ struct PricedArmSettings {
 ///   idle branch   L0 = w C + b F' L_j0 F,                 c0 = b (<L_j0, Q> + c_j0)
 ///   node          L = P_d L1 + (1 - P_d) L0,   c likewise + price dwell
 ///
+/// Idle nodes last for n scans, n a power of two: 1 unless P_n would be the same point as P_k, or one beside it. An
+/// idle node that led to itself would never end.
+///
 /// 1. Follow: from the start and from the seeds, take the action that is best before the present V, and go where it
 ///    leads, until all lead to nodes that are there. The points are closed under the greedy policy, as they must be:
-///    a fixed cloud gives a wrong gain. A covariance that grew in a scan without a look is never taken for one that is
-///    not larger: else slow growth would stop, and never looking would seem to cost nothing more.
+///    a fixed cloud gives a wrong gain.
 /// 2. Evaluate: solve the equations above for all nodes. L is the limit of a contraction. c: discounted the same;
 ///    average (b = 1), every walk ends in a cycle that has a mean, and where misses branch, by lazy sweeps
 ///    (mix .5: a periodic optimum makes plain ones oscillate). Parts that stay worse than others are dropped.
 /// 3. V is the least of the plans. Again until no action changes.
 ///
-/// The result is the cost of a policy that can be carried out, so an upper bound of the optimum at the price.
+/// The result is the cost of a policy that can be carried out, so an upper bound of the optimum at the price. Where no
+/// plan of an improved policy has a finite cost, the last policy stays.
 /// Average cost: V is relative, 0 on average over nothing in particular; the mean is in the PricedValue.
 /// One arm's points serve all prices, and the last V starts the next price.
 /// Source   Sondik (1978), Hansen (1998), Pineau et al. (2003) for beliefs; covariances, P_d and several sensors: ours.
 class PricedArm {
  public:
-  /// `discount` 1 means average cost. Throws std::domain_error where looks in every scan do not give it a
-  /// finite cost; `validate` refuses most of these.
+  /// `discount` 1 means average cost. Throws std::domain_error where looks with every sensor in turn have no finite
+  /// cost, which `validate_costs` refuses.
   PricedArm(const Arm& arm, double discount, const PricedArmSettings& settings = {});
 
   PricedValue solve(double price);
@@ -61,9 +60,6 @@ class PricedArm {
   /// Of the last price.
   const ValueSet& value() const { return value_; }
   const Arm& arm() const { return arm_; }
-  std::size_t points() const { return points_.size(); }
-  /// Makes the covariance a seed, so that V is exact there too; counts from the next `solve` on.
-  void add_seed(const Matrix& predicted);
 
  private:
   /// What a look with one sensor does at one point, in packed form.
@@ -74,40 +70,52 @@ class PricedArm {
     double cost_noise;
     Packed successor;  // predicted covariance after a detection
   };
+  /// What n scans without a look do.
+  struct Pause {
+    double scans;       // n
+    double discount;    // b^n
+    PackedMap after;    // P -> F^n P F^n'
+    Packed noise;       // covariance that n scans make of 0
+    Packed cost;        // of the scans, weight form
+    double cost_noise;  // of what the noise adds
+  };
   struct Point {
     Packed p;
-    Packed idle_successor;
+    Packed idle_successor;   // after one scan
+    int pause;               // of an idle node here: index into pauses_
+    Packed pause_successor;  // after it
     std::vector<LookMap> looks;
   };
   struct Node {
     bool active = false;
-    int sensor = -1;  // -1 idle
+    int sensor = -1;  // -1 idle, for the point's pause
     int detected = 0;
     int missed = 0;
   };
 
   double p_detect(const Node& node) const;
   const LookMap& look_of(std::size_t k) const;
-  int find(const Packed& p, double above = -1.0) const;
-  int add(const Packed& p);
+  bool near(const Packed& p, const Packed& other, double relative) const;
+  int find(const Packed& p) const;
+  void place_pause(Point& point);
+  const Pause& pause_of(std::size_t k) const;
+  double scans(std::size_t k) const;
+  double next_discount(std::size_t k) const;
   int find_or_add(const Packed& p);
-  int node_at(const Packed& p, double above = -1.0);
-  double size(const Packed& p) const;
+  int node_at(const Packed& p);
   void seed();
   double action_cost(const Point& point, int sensor, double idle, double price) const;
   bool choose(std::size_t k, double price);
   std::size_t follow(double price);
   void keep_only(const std::vector<char>& reached);
-  void sort_successors_first();
   bool evaluate(double price);
   Packed backed_up_weight(std::size_t k) const;
-  void solve_weights();
+  bool solve_weights();
   void immediate();
   bool deterministic() const;
   void solve_constants_by_cycles(double price);
   void solve_constants_by_sweeps(double price);
   void publish(double price);
-  PricedValue published() const;
 
   Arm arm_;
   double discount_;
@@ -116,11 +124,11 @@ class PricedArm {
   int most_sweeps_;     // of the weights
   PackedMap idle_map_;  // P -> F P F'
   Packed q_;
-  Packed scan_cost_;  // w C in weight form
+  Packed scan_cost_;           // w C in weight form
+  std::vector<Pause> pauses_;  // of 1, 2, 4, .. scans
   std::vector<int> seeds_;
   std::vector<Point> points_;
   std::vector<Node> nodes_;              // one a point
-  std::vector<int> order_;               // all nodes, what they lead to first where there is no cycle
   Eigen::MatrixXd weights_;              // m x points
   Eigen::VectorXd cost_, work_;          // c = cost + price work
   Eigen::VectorXd cost_now_, work_now_;  // without the successors' constants

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <string>
 
 #include <Eigen/Cholesky>
@@ -15,6 +16,12 @@ namespace {
 /// Rounding that a symmetric or semidefinite matrix may show, as a part of its largest element.
 constexpr double kRounding = 1e-9;
 
+std::string text(double value) {
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, "%g", value);
+  return buffer;
+}
+
 class Checker {
  public:
   std::vector<Violation> violations;
@@ -24,7 +31,7 @@ class Checker {
   }
 
   void number(const std::string& field, double value, bool good, const std::string& rule) {
-    if (!good || !std::isfinite(value)) refuse(field, std::to_string(value), rule);
+    if (!good || !std::isfinite(value)) refuse(field, text(value), rule);
   }
 
   bool size(const std::string& field, const Matrix& m, Eigen::Index rows, Eigen::Index columns) {
@@ -35,20 +42,28 @@ class Checker {
   }
 
   void semidefinite(const std::string& field, const Matrix& m, Eigen::Index n) {
-    if (!size(field, m, n, n)) return;
-    const double slack = kRounding * m.cwiseAbs().maxCoeff();
-    const bool symmetric = (m - m.transpose()).cwiseAbs().maxCoeff() <= slack;
-    if (!symmetric || Eigen::SelfAdjointEigenSolver<Matrix>(m).eigenvalues().minCoeff() < -slack) {
-      refuse(field, "", "must be symmetric and positive semidefinite");
-    }
+    if (!symmetric(field, m, n)) return;
+    const double least = least_eigenvalue(m);
+    if (least >= -kRounding * m.cwiseAbs().maxCoeff()) return;
+    refuse(field, "least eigenvalue " + text(least), "must be positive semidefinite");
   }
 
   void definite(const std::string& field, const Matrix& m, Eigen::Index n) {
-    if (!size(field, m, n, n)) return;
-    const double slack = kRounding * m.cwiseAbs().maxCoeff();
-    if ((m - m.transpose()).cwiseAbs().maxCoeff() > slack || m.llt().info() != Eigen::Success) {
-      refuse(field, "", "must be symmetric and positive definite");
-    }
+    if (!symmetric(field, m, n) || m.llt().info() == Eigen::Success) return;
+    refuse(field, "least eigenvalue " + text(least_eigenvalue(m)), "must be positive definite");
+  }
+
+ private:
+  static double least_eigenvalue(const Matrix& m) {
+    return Eigen::SelfAdjointEigenSolver<Matrix>(m, Eigen::EigenvaluesOnly).eigenvalues().minCoeff();
+  }
+
+  bool symmetric(const std::string& field, const Matrix& m, Eigen::Index n) {
+    if (!size(field, m, n, n)) return false;
+    const double apart = (m - m.transpose()).cwiseAbs().maxCoeff();
+    if (apart <= kRounding * m.cwiseAbs().maxCoeff()) return true;
+    refuse(field, "elements that differ by " + text(apart), "must be symmetric");
+    return false;
   }
 };
 
@@ -87,9 +102,15 @@ void check_costs(Checker& check, const std::string& name, const Arm& arm, double
   for (const Sensor& sensor : arm.sensors) missed = std::min(missed, 1.0 - sensor.p_detect);
   const double radius = spectral_radius(arm.f);
   if (discount * radius * radius * missed >= 1.0) {
-    check.refuse(name + ".sensor", "p_detect " + std::to_string(1.0 - missed) + " at most",
-                 "misses in a row grow f faster than they are rare: the expected cost is infinite");
-  } else if (!(discount * all_looks(arm).memory <= kMostMemory)) {
+    check.refuse(name + ".sensor", "largest p_detect " + text(1.0 - missed),
+                 "must be above " + text(1.0 - 1.0 / (discount * radius * radius)) +
+                     ": misses in a row grow f faster than they are rare, the expected cost is infinite");
+    return;
+  }
+  const double memory = discount * all_looks(arm).memory;
+  if (!(memory < 1.0 + kRounding)) {
+    check.refuse(name + ".f", "spectral radius " + text(radius), "must be below 1 in what no sensor sees");
+  } else if (memory > kMostMemory) {
     check.refuse(name + ".q", "",
                  "what no sensor sees must decay, and what neither grows nor decays needs process noise (some 1e-8 r): "
                  "else the arm never forgets where it started");

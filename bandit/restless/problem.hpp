@@ -62,7 +62,8 @@ std::vector<Violation> validate(const Problem& problem);
 
 /// Of a problem that is valid: arms that have no finite cost, or do not forget where they started. b times what a scan
 /// of all looks leaves of a difference (AllLooks::memory) must be at most kMostMemory, b times the growth of what the
-/// best sensor misses below 1.
+/// best sensor misses below 1. Each arm alone, as if all looks were its own: that looks_per_scan suffice for all of
+/// them at a finite cost is not checked; a policy that cannot do it fails as it runs.
 std::vector<Violation> validate_costs(const Problem& problem);
 
 }  // namespace dwell::restless

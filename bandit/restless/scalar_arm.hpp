@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <optional>
 
 #include "bandit/restless/problem.hpp"
@@ -12,17 +13,17 @@ namespace dwell::restless {
 struct ScalarArm {
   double f = 1.0;
   double q = 0.0;
-  double r = 1.0;       ///< of the state: R / H^2, or 1 / (H' R^-1 H)
+  double r = 1.0;       ///< of the state: R / H^2, or 1 / (H' R^-1 H); infinite where the sensor does not see it
   double weight = 1.0;  ///< times the cost's only element
   double dwell = 1.0;
   double p_detect = 1.0;
 
-  double after_look(double p) const { return p * (r / (p + r)); }
+  bool blind() const { return !std::isfinite(r); }
+  double after_look(double p) const { return blind() ? p : p * (r / (p + r)); }
   double predict(double m) const { return f * f * m + q; }
 };
 
 /// The arm seen by one of its sensors alone; empty where it has more states than one.
-/// A sensor that does not see the state (H = 0) has r = infinity.
 std::optional<ScalarArm> scalar_arm(const Arm& arm, const Sensor& sensor);
 
 }  // namespace dwell::restless

@@ -112,9 +112,26 @@ PricedValue ScalarMesh::solve(double price) {
     }
   }
   if (average) return value;
-  const Place start = place(arm_.p0(0, 0));
-  const double usage = at(work_, start);
-  return {at(v_, start) - price * usage, usage};
+  return value_at_start();
+}
+
+/// One step of the dynamic programme from p0 itself, which may be below the grid; its successors are not.
+PricedValue ScalarMesh::value_at_start() const {
+  const double p = arm_.p0(0, 0);
+  const Place idle_next = place(arm_.f(0, 0) * arm_.f(0, 0) * p + arm_.q(0, 0));
+  const double idle = arm_.weight * arm_.cost(0, 0) * p + discount_ * at(v_, idle_next);
+  const double idle_work = discount_ * at(work_, idle_next);
+  double least = idle;
+  double work = idle_work;
+  for (std::size_t s = 0; s < arm_.sensors.size(); ++s) {
+    const double look = look_cost(s, p, idle);
+    if (look >= least) continue;
+    least = look;
+    const ScalarArm scalar = *scalar_arm(arm_, arm_.sensors[s]);
+    work = scalar.p_detect * discount_ * at(work_, place(scalar.predict(scalar.after_look(p)))) +
+           (1.0 - scalar.p_detect) * idle_work + arm_.dwell;
+  }
+  return {least - price_ * work, work};
 }
 
 double ScalarMesh::look_cost(std::size_t sensor, double p, double idle) const {

@@ -12,6 +12,8 @@ namespace dwell::restless {
 /// and nondecreasing, so both are from below: what is solved here is a **lower bound** of the true value. Value
 /// iteration from V = 0; with an average cost the least of T V - V over the grid, which is a bound at every step, from
 /// lazy steps (mix .5). Ends where a step changes V by 1e-12 of itself, or the spread of T V - V is 1e-10 of it.
+/// Discounted values are those of one step from p0, which may be below the process noise: the grid is not.
+///
 /// Interpolation costs about (log spacing)^2 / 8 of the curvature: 1e-6 with 2000 points over four decades.
 class ScalarMesh {
  public:
@@ -33,6 +35,7 @@ class ScalarMesh {
   };
   Place place(double p) const;
   double at(const std::vector<double>& v, const Place& place) const;
+  PricedValue value_at_start() const;
   double look_cost(std::size_t sensor, double p, double idle) const;
 
   Arm arm_;

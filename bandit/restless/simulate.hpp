@@ -1,8 +1,7 @@
 #pragma once
 
-#include <cstdint>
-
 #include "bandit/restless/policy.hpp"
+#include "radar/random.hpp"
 
 namespace dwell::restless {
 
@@ -10,7 +9,7 @@ struct SimulationSettings {
   int warm_up = 2000;   ///< average cost: scans that do not count
   int scans = 20'000;   ///< average cost: scans that do
   double rest = 1e-12;  ///< discounted: until b^t is below
-  std::uint64_t seed = 1;
+  RandomStream random = RandomStream(1);
 };
 
 struct Simulated {
@@ -18,8 +17,11 @@ struct Simulated {
   std::vector<double> look_rate;  ///< looks a scan at each arm
 };
 
-/// Runs a policy from p0. Detections are drawn for every arm in every scan, whether it is looked at or not, from
-/// streams forked by the arm: policies meet the same luck.
+/// Runs a policy from its start and p0. An average weights the scans by what rises smoothly over their first quarter
+/// and falls over the last (smooth_step): a period need not divide them. Look rates are plain counts.
+///
+/// Detections are drawn for every arm in every scan, whether it is looked at or not, from streams forked by the arm:
+/// policies meet the same luck.
 Simulated simulate(const Problem& problem, Policy& policy, const SimulationSettings& settings);
 
 }  // namespace dwell::restless

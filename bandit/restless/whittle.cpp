@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "bandit/restless/smooth_step.hpp"
 #include "radar/assert.hpp"
 
 namespace dwell::restless {
@@ -22,13 +23,8 @@ struct Differences {
   double work = 0.0;  // W(1) - W(0), without the dwell
 };
 
-/// 1 below 1/4, 0 from 1 on, C-infinity: s / (s + s') with s = exp(-1/y), s' = exp(-1/(1-y)), y = (1 - u) / (3/4).
-double cutoff(double u) {
-  if (u <= 0.25) return 1.0;
-  if (u >= 1.0) return 0.0;
-  const double y = (1.0 - u) / 0.75;
-  return 1.0 / (1.0 + std::exp(1.0 / y - 1.0 / (1.0 - y)));
-}
+/// 1 below 1/4, 0 from 1 on.
+double cutoff(double u) { return smooth_step((1.0 - u) / 0.75); }
 
 /// The two orbits side by side; weight(t) multiplies scan t.
 template <class Weight>
@@ -90,7 +86,7 @@ std::optional<double> unit_index(const ScalarArm& arm, double p, std::optional<d
 
 double whittle_index(const ScalarArm& arm, double p, std::optional<double> discount) {
   DWELL_ASSERT(p > 0.0 && arm.p_detect == 1.0);
-  if (!std::isfinite(arm.r)) return 0.0;
+  if (arm.blind()) return 0.0;
   std::optional<double> index = unit_index(arm, p, discount);
   for (double step = 1e-7; !index && step < 1e-3; step *= 2.0) {
     const auto below = unit_index(arm, p * (1.0 - step), discount);

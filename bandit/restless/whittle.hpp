@@ -25,7 +25,7 @@ namespace dwell::restless {
 ///
 /// Identities  index(p; w, d) = w / d index(p; 1, 1);  index(c p; c q, c r) = c index(p; q, r);
 ///             b -> 0: w p^2 / (p + r) / d, the one-step gain;  nondecreasing in p.
-/// Requires p > 0, p_detect = 1 (see CalibratedIndex), 0 < discount < 1 where there is one.
+/// Requires p > 0, p_detect = 1 (see calibrated_index), 0 < discount < 1 where there is one.
 /// Accuracy 1e-9 discounted, 1e-6 average with periods up to some 10 000 scans, relative.
 /// Source   Nino-Mora (2006), Dance, Silander (2019): threshold policies and mechanical words; the cutoff is ours.
 double whittle_index(const ScalarArm& arm, double p, std::optional<double> discount);

@@ -14,6 +14,18 @@ ProblemReader::ProblemReader(ParsedConfig& config, const StudyRequest& request)
   }
 }
 
+void ProblemReader::refuse_empty_policy(int index, const std::string& rule) {
+  const auto* problem = config_.message.GetDescriptor()->FindFieldByName(name_);
+  const auto* policy = problem->message_type()->FindFieldByName("policy");
+  Violation violation{name_ + ".policy[" + std::to_string(index + 1) + "]", "", rule};
+  if (const auto* tree = config_.locations ? config_.locations->GetTreeForNested(problem, -1) : nullptr) {
+    const auto place = tree->GetLocation(policy, index);
+    violation.line = place.line + 1;
+    violation.column = place.column + 1;
+  }
+  of_config_.push_back(std::move(violation));
+}
+
 void ProblemReader::check() const {
   if (of_config_.empty() && of_command_line_.empty()) return;
   if (of_config_.empty()) throw InvalidInput("--policies", of_command_line_);

@@ -48,7 +48,7 @@ class ProblemReader {
           of_command_line ? FieldReader(*list.Mutable(i), nullptr, of_command_line_) : problem().element("policy", i);
       const auto* kind = policy_kind(list[i]);
       if (kind == nullptr) {
-        problem().refuse("policy", "", "must be one of: " + policy_names(list[i]));
+        refuse_empty_policy(i, "must be one of: " + policy_names(list[i]));
       } else {
         settings.emplace_back(names[static_cast<std::size_t>(i)],
                               read(in.child(kind->name().c_str()), list[i].kind_case()));
@@ -57,10 +57,16 @@ class ProblemReader {
     return settings;
   }
 
+  /// Of a problem whose policies are no messages.
+  void refuse_policy(Violation violation) { of_command_line_.push_back(std::move(violation)); }
+
   /// Errors   InvalidInput where anything was refused.
   void check() const;
 
  private:
+  /// `policy {}` of the config, counted from 0.
+  void refuse_empty_policy(int index, const std::string& rule);
+
   FieldReader top() { return {config_.message, config_.locations.get(), of_config_}; }
 
   ParsedConfig& config_;

@@ -1,7 +1,10 @@
 // Restless arms: the bound, the index of each arm at its start, and what each policy costs.
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
+
+#include <spdlog/fmt/fmt.h>
 
 #include "bandit/restless/bound.hpp"
 #include "bandit/restless/index_table.hpp"
@@ -41,13 +44,26 @@ Json index_json(const restless::Problem& problem, const restless::Analysis& anal
       whittle.push_back(restless::whittle_of(arm, s, problem.discount, arm.p0(0, 0)));
     }
     orbit.push_back(restless::orbit_index(arm, s, arm.p0));
-    index.push_back(restless::advantage(problem, analysis.priced, i, s));
+    if (!analysis.priced.values.empty()) index.push_back(restless::advantage(problem, analysis.priced, i, s));
   }
   Json json = Json::object();
   if (!whittle.empty()) json["whittle"] = whittle;
   json["orbit"] = orbit;
-  json["index"] = index;
+  if (!index.empty()) json["index"] = index;
   return {{"index", json}};
+}
+
+/// What Whittle's index of an arm must be and is not; empty: nothing.
+Json indexability_json(const restless::Arm& arm, std::optional<double> discount) {
+  const auto report = restless::check_indexability(arm, discount);
+  if (!report || (report->indexable && report->monotone)) return {};
+  return {{"indexable", report->indexable}, {"monotone", report->monotone}, {"at", report->offenders}};
+}
+
+Json bound_json(const restless::Bound& bound) {
+  Json json{{"value", bound.value}, {"kind", name_of(bound.kind)}, {"price", bound.price}};
+  if (bound.reference) json["reference"] = *bound.reference;
+  return json;
 }
 
 bool draws(const restless::Problem& problem) {
@@ -60,21 +76,21 @@ bool draws(const restless::Problem& problem) {
 }
 
 Json run_policy(const restless::Problem& problem, const restless::Analysis& analysis,
-                const restless::PolicySettings& settings, int runs, std::uint64_t seed) {
+                const restless::PolicySettings& settings, int runs, const RandomStream& stream) {
   std::vector<double> costs;
   std::vector<double> rates(problem.arms.size(), 0.0);
+  const auto policy = restless::make_policy(settings, problem, analysis.priced);
   for (int run = 0; run < runs; ++run) {
-    const auto policy = restless::make_policy(settings, problem, analysis.priced);
     restless::SimulationSettings simulation;
-    simulation.seed = seed + static_cast<std::uint64_t>(run);
+    simulation.random = stream.fork(static_cast<std::uint64_t>(run));
     const restless::Simulated result = restless::simulate(problem, *policy, simulation);
     costs.push_back(result.cost);
     for (std::size_t i = 0; i < rates.size(); ++i) rates[i] += result.look_rate[i] / runs;
   }
   const Estimate cost = estimate(costs);
   if (!std::isfinite(cost.mean)) throw std::runtime_error("the cost grows without end");
-  Json json{{problem.discount ? "discounted_cost" : "average_cost", cost.mean},
-            {"gap_percent", 100.0 * (cost.mean / analysis.bound.value - 1.0)}};
+  Json json{{problem.discount ? "discounted_cost" : "average_cost", cost.mean}};
+  if (analysis.bound.value > 0.0) json["gap_percent"] = 100.0 * (cost.mean / analysis.bound.value - 1.0);
   if (runs > 1) json["stderr"] = cost.standard_error;
   json["look_rate"] = rates;
   return json;
@@ -94,27 +110,37 @@ std::unique_ptr<StudyReport> study_restless(ParsedConfig config, const StudyRequ
     }
   }
   reader.check();
+  restless::AnalysisSettings wanted;
+  wanted.values = std::any_of(policies.begin(), policies.end(),
+                              [](const auto& policy) { return restless::needs_prices(policy.second); });
+  wanted.stop = [&] { return watch.stop.load(); };
   restless::Analysis analysis;
   try {
-    analysis = restless::analyse(problem);
-    analysis.bound = restless::certify(problem, analysis);
+    analysis = restless::analyse(problem, wanted);
+    analysis.bound = restless::certify(problem, analysis, wanted.stop);
+  } catch (const restless::Stopped&) {
+    fmt::print(stderr, "stopped before the bound was found\n");
+    return std::make_unique<ProblemReport>(config.message, policies.size());
   } catch (const std::domain_error& error) {
     reader.problem().refuse("arm", "the problem", error.what());
     reader.check();
   }
-  Json head{
-      {"bound",
-       {{"value", analysis.bound.value}, {"kind", name_of(analysis.bound.kind)}, {"price", analysis.bound.price},
-              {"reference", analysis.bound.reference}}}};
+  Json head{{"bound", bound_json(analysis.bound)}};
   head["arms"] = Json::array();
-  for (std::size_t i = 0; i < problem.arms.size(); ++i) head["arms"].push_back(index_json(problem, analysis, i));
+  for (std::size_t i = 0; i < problem.arms.size(); ++i) {
+    head["arms"].push_back(index_json(problem, analysis, i));
+    const Json indexability = indexability_json(problem.arms[i], problem.discount);
+    if (indexability.is_null()) continue;
+    head["arms"].back()["indexability"] = indexability;
+    fmt::print(stderr, "restless.arm[{}]: Whittle's index is not what it must be: {}\n", i + 1, indexability.dump());
+  }
   auto report = std::make_unique<ProblemReport>(config.message, policies.size(), head);
   const int runs = draws(problem) ? request.runs : 1;
+  if (draws(problem) && runs == 1) fmt::print(stderr, "one run with looks that miss: no standard error\n");
+  const RandomStream stream = RandomStream(config.message.seed()).fork("restless");
   for (const auto& [name, settings] : policies) {
     if (watch.stop) break;
-    report->add(name, [&, &settings = settings] {
-      return run_policy(problem, analysis, settings, runs, config.message.seed());
-    });
+    report->add(name, [&, &settings = settings] { return run_policy(problem, analysis, settings, runs, stream); });
   }
   return report;
 }

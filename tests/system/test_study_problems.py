@@ -178,7 +178,7 @@ radar { name: "west" }
 """)
         self.assertEqual([line.split(": ")[1].split(" = ")[0] for line in lines], [
             "hmm_selection.horizon", "hmm_selection.belief", "hmm_selection.sensor[1].emission",
-            "hmm_selection.transition", "hmm_selection.policy[1].fixed.sensor", "hmm_selection.policy"])
+            "hmm_selection.transition", "hmm_selection.policy[1].fixed.sensor", "hmm_selection.policy[2]"])
 
     def test_what_is_too_large_is_said_and_the_others_are_there(self):
         # Of equals a factor of 1e9 keeps all: two to the thirtieth schedules.

@@ -68,6 +68,23 @@ TEST(Whittle, IsTheOrbitIndexOfAScalarArm) {
   EXPECT_NEAR(orbit, whittle_index(arm_of(0.9, 1.0, 2.0), p, 0.98), 1e-9 * orbit);
 }
 
+/// Between the table's points, a decade of variances: what its header says.
+TEST(IndexTable, IsAsExactAsItSays) {
+  RandomStream random(4);
+  const auto worst_of = [&](const Arm& arm, int draws) {
+    const IndexTable table(arm, 0, 0.9);
+    double worst = 0.0;
+    for (int draw = 0; draw < draws; ++draw) {
+      const double p = arm.q(0, 0) * std::pow(10.0, random.uniform(0.0, 1.0));
+      const double exact = whittle_of(arm, 0, 0.9, p);
+      worst = std::max(worst, std::abs(table(p) - exact) / exact);
+    }
+    return worst;
+  };
+  EXPECT_LE(worst_of(scalar_arm_of(0.9, 1.0, 2.0), 200), 1e-3);
+  EXPECT_LE(worst_of(scalar_arm_of(0.9, 1.0, 2.0, 1.0, 0.8), 10), 1e-2);
+}
+
 /// The prototypes' calibrated values, printed to 1e-4; the mesh promises 1e-5 of the index.
 TEST(Whittle, IsCalibratedWhereLooksMiss) {
   const struct { double p_detect, index; } cases[] = {{0.9, 10.2942}, {0.7, 8.4950}, {0.5, 6.6661}};

@@ -1,9 +1,10 @@
+#include "tests/bandit/hmm_bandit/gittins_on_grid.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <numeric>
 
-#include "bandit/hmm_bandit/gittins.hpp"
 #include "radar/assert.hpp"
 
 namespace dwell::hmm_bandit {
