@@ -6,6 +6,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "bandit/information_reduction.hpp"
 #include "tracker/footprint.hpp"
 
 namespace dwell {
@@ -37,10 +38,25 @@ Numerics ExpectedCost::with_look(const ImmEstimate& predicted, const Sensor& sen
     in_footprint += predicted.probability[j] * footprint_probability(sensor, predicted.modes[j], pointing);
   }
   const double p_d = sensor.detection_probability(pointing) * in_footprint;
-  const double expected = p_d * detected + (1.0 - p_d) * without_look(predicted);
+  const double kept = kept_information(predicted, sensor, form, pointing, p_d);
+  const double expected = kept * detected + (1.0 - kept) * without_look(predicted);
   if (!std::isfinite(expected)) return Numerics::kNotFinite;
   cost = expected;
   return Numerics::kOk;
+}
+
+/// q2 of the modes' gates, weighted by the modes; P_d without clutter.
+double ExpectedCost::kept_information(const ImmEstimate& predicted, const Sensor& sensor, UpdateForm form,
+                                      const State& pointing, double p_d) const {
+  if (sensor.clutter_density() <= 0.0) return p_d;
+  constexpr double kGate = 16.0;
+  const double density = clutter_density(sensor, form, pointing);
+  double kept = 0.0;
+  for (std::size_t j = 0; j < measurements_.size(); ++j) {
+    const double area = kGate * std::numbers::pi * std::exp(0.5 * measurements_[j].log_determinant());
+    kept += predicted.probability[static_cast<Eigen::Index>(j)] * information_reduction(p_d, density * area);
+  }
+  return kept;
 }
 
 /// sum_j c_j tr(W P_j), and each mode's posterior on the way.

@@ -43,7 +43,9 @@ StateMatrix position_weight();
 ///
 /// The look leaves the cost without a look with probability 1 - P_d F, F the probability that the target is in
 /// the footprint (tracker/footprint.hpp); what it measures is taken to be independent of that. No gate is
-/// accounted for.
+/// accounted for. Where the sensor has clutter, q2(P_d F, false plots in the gate) takes the place of P_d F
+/// (bandit/information_reduction.hpp): of one mode the modified Riccati step of SA-IPDA; of more, with q2 the mean over
+/// the modes and for the spread between them too, an approximation.
 ///
 /// Cost     O(nodes^2 M^3), no allocation after the first call for M modes.
 /// Source   Evans et al. (2005), (18)-(20); the pairwise form: w_i w_j p(y) = c_a N_a(y) w_b(y), and
@@ -67,6 +69,8 @@ class ExpectedCost {
     State constant;          // W^1/2 (x_j(y) - x_1) = constant + slope y, x_1 the first mode's predicted mean
     Gain slope;
   };
+  double kept_information(const ImmEstimate& predicted, const Sensor& sensor, UpdateForm form, const State& pointing,
+                          double p_d) const;
   double within_modes(const ImmEstimate& predicted, const Sensor& sensor, UpdateForm form);
   double between_modes();
   double integrand(std::size_t a, std::size_t b, const Vector2& y) const;

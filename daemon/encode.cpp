@@ -47,6 +47,7 @@ void encode(const Track& track, v1::Track& message) {
   }
   message.set_age_scans(static_cast<std::uint32_t>(track.age_scans));
   if (track.nis) message.set_nis(*track.nis);
+  if (track.existence) message.set_existence_probability(*track.existence);
 }
 
 void encode(const ScanReport& report, std::span<const Track> tracks, v1::ScanReport& message) {

@@ -23,9 +23,8 @@ DiscreteBank bank_of(const EngineConfig& config) {
 
 /// Room for the plots of a look: every target, and more false alarms than a Poisson count of that mean has once in
 /// 1e20.
-std::size_t most_plots(const Sensor& sensor, std::size_t targets) {
+std::size_t most_plots(const Sensor& sensor, const Vector2& half, std::size_t targets) {
   if (sensor.clutter_density() <= 0.0) return targets;
-  const Vector2 half = sensor.footprint_half_extent();
   const double mean = sensor.clutter_density() * 4.0 * half[0] * half[1];
   return targets + static_cast<std::size_t>(mean + 10.0 * std::sqrt(mean) + 20.0);
 }
@@ -47,9 +46,18 @@ struct Engine::Target {
   std::string name() const { return life == 1 ? config->name : config->name + "#" + std::to_string(life); }
 };
 
+/// Track initiation by one sensor.
+struct Engine::Surveillance {
+  std::size_t sensor;
+  RandomStream stream;
+  TrackInitiation initiation;
+};
+
 /// What the simulation knows of a track and the tracker does not.
 struct Engine::TruthLink {
-  std::size_t target;  // index of targets_
+  static constexpr std::size_t kNoTarget = static_cast<std::size_t>(-1);
+
+  std::size_t target;  // index of targets_, or kNoTarget of a false track
   TargetId id;         // of the life that the track was started for
   int far_looks = 0;   // consecutive detected looks with the truth far from the prediction
 };
@@ -66,10 +74,23 @@ Engine::Engine(const EngineConfig& config)
     sensor_streams_.push_back(root_.fork("radar/" + sensor.name));
     usage_cost_.push_back(sensor.usage_cost);
     sensor_states_.push_back({sensor.up, LookBudget(sensor.budget)});
+    if (sensor.surveillance_scans > 0) {
+      surveillance_.push_back(
+          {sensors_.size() - 1, sensor_streams_.back().fork("surveillance"),
+           TrackInitiation(config.initiation, sensor.surveillance_scans, to_seconds(config.scan_period))});
+    }
   }
   std::size_t most = 0;
-  for (const Sensor* sensor : sensor_views_) most = std::max(most, most_plots(*sensor, config_.targets.size()));
+  const std::size_t targets = config_.targets.size();
+  for (const Sensor* sensor : sensor_views_) {
+    most = std::max(most, most_plots(*sensor, sensor->footprint_half_extent(), targets));
+  }
+  tracker_.reserve(most);
   look_plots_.reserve(most);
+  for (const Surveillance& surveillance : surveillance_) {
+    const Sensor& sensor = *sensors_[surveillance.sensor];
+    look_plots_.reserve(most_plots(sensor, sensor.coverage()->half, targets));
+  }
   report_.plots.reserve(most * static_cast<std::size_t>(config_.looks_per_scan));
   counts_.looks.resize(sensors_.size());
   counts_.detections.resize(sensors_.size());
@@ -94,6 +115,7 @@ const ScanReport& Engine::scan() {
   list_feasible_pairs();
   choose();
   for (std::size_t look = 0; look < report_.decision.chosen.size(); ++look) execute(report_.decision.pair(look));
+  survey();
   count_losses();
   report_truth();
   return report_;
@@ -165,6 +187,7 @@ std::optional<Gaussian> Engine::first_belief(std::size_t target) {
     const StateMatrix root = cued->covariance.llt().matrixL();
     return Gaussian{*truth.state + root * draw, cued->covariance};
   }
+  if (std::holds_alternative<NoStart>(truth.config->track_start)) return std::nullopt;
   const auto& first_plot = std::get<FirstPlotStart>(truth.config->track_start);
   for (std::size_t i = 0; i < sensors_.size(); ++i) {
     const Dwell dwell{RadarId{static_cast<std::uint32_t>(i + 1)}, TrackId{}, report_.time, *truth.state};
@@ -229,7 +252,7 @@ void Engine::execute(const Pair& pair) {
   look.plots = look_plots_.size();
   report_.plots.insert(report_.plots.end(), look_plots_.begin(), look_plots_.end());
   compare_with_truth(pair.track);
-  const LookOutcome outcome = tracker_.look(track, *sensors_[pair.sensor], look.dwell, look_plots_);
+  const LookOutcome outcome = tracker_.look(track, *sensors_[pair.sensor], look.dwell, look_plots_, tracks_);
   if (outcome.used_plot) look.used_plot = look.first_plot + *outcome.used_plot;
   sensor_states_[pair.sensor].budget.take();
   ++counts_.looks[pair.sensor];
@@ -241,6 +264,7 @@ void Engine::execute(const Pair& pair) {
 /// Before the update: how far the truth is from the prediction, at looks that saw the target.
 void Engine::compare_with_truth(std::size_t track) {
   TruthLink& link = links_[track];
+  if (link.target == TruthLink::kNoTarget) return;
   const Target& target = targets_[link.target];
   const bool same_life = target.id == link.id && target.state;
   const bool detected =
@@ -250,11 +274,53 @@ void Engine::compare_with_truth(std::size_t track) {
   link.far_looks = far ? link.far_looks + 1 : 0;
 }
 
+/// The surveillance looks that are due; tracks that they confirm join the others from the next scan on.
+void Engine::survey() {
+  for (Surveillance& surveillance : surveillance_) {
+    const auto period = static_cast<std::uint64_t>(config_.sensors[surveillance.sensor].surveillance_scans);
+    if (report_.scan % period != 0) continue;
+    const Sensor& sensor = *sensors_[surveillance.sensor];
+    const Dwell dwell{RadarId{static_cast<std::uint32_t>(surveillance.sensor + 1)}, TrackId{}, report_.time, {}};
+    look_plots_.clear();
+    if (sensor_states_[surveillance.sensor].up) {
+      simulate_survey(sensor, dwell, truth_, surveillance.stream, look_plots_);
+    }
+    surveillance.initiation.look(tracker_, sensor, dwell, look_plots_, tracks_, found_);
+    for (Track& track : found_) hand_over(std::move(track));
+  }
+}
+
+/// In the simulation the track is of the nearest target, or of none where that is outside a 16-gate.
+void Engine::hand_over(Track track) {
+  constexpr double kGate = 16.0;
+  track.id = TrackId{++last_track_number_};
+  TruthLink link{TruthLink::kNoTarget, {}};
+  double nearest = kGate;
+  for (std::size_t i = 0; i < targets_.size(); ++i) {
+    if (!targets_[i].state) continue;
+    const double distance = position_nees(*targets_[i].state, track.combined);
+    if (distance < nearest) {
+      nearest = distance;
+      link = {i, targets_[i].id};
+    }
+  }
+  ++counts_.tracks_initiated;
+  if (link.target == TruthLink::kNoTarget) {
+    ++counts_.tracks_false;
+  } else {
+    track.name = targets_[link.target].name();
+    track.weight = targets_[link.target].config->weight;
+  }
+  tracks_.push_back(std::move(track));
+  links_.push_back(link);
+}
+
 void Engine::count_losses() {
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     if (tracks_[i].alive()) continue;
-    const Target& target = targets_[links_[i].target];
-    const bool target_lives = target.id == links_[i].id && target.state.has_value();
+    const bool has_target = links_[i].target != TruthLink::kNoTarget;
+    const bool target_lives =
+        has_target && targets_[links_[i].target].id == links_[i].id && targets_[links_[i].target].state.has_value();
     ++(target_lives ? counts_.tracks_lost : counts_.tracks_dropped);
     if (tracks_[i].loss == LossCause::kNumerics) ++counts_.filter_failures;
   }
@@ -263,6 +329,7 @@ void Engine::count_losses() {
 void Engine::report_truth() {
   report_.truth.clear();
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    if (links_[i].target == TruthLink::kNoTarget) continue;
     const Target& target = targets_[links_[i].target];
     if (!tracks_[i].alive() || target.id != links_[i].id || !target.state) continue;
     report_.truth.push_back(

@@ -43,8 +43,10 @@ struct ScanReport {
 /// Totals since the start.
 struct EngineCounts {
   std::uint64_t tracks_lost = 0;          ///< while their target lived
-  std::uint64_t tracks_dropped = 0;       ///< after their target had ended
+  std::uint64_t tracks_dropped = 0;       ///< after their target had ended, and those that never had one
   std::uint64_t filter_failures = 0;      ///< of the two, those for numerical reasons
+  std::uint64_t tracks_initiated = 0;     ///< confirmed from surveillance looks
+  std::uint64_t tracks_false = 0;         ///< of these, those that were of no target
   std::vector<std::uint64_t> looks;       ///< of each sensor
   std::vector<std::uint64_t> detections;  ///< of each sensor: looks whose track got a plot
 };
@@ -78,6 +80,7 @@ class Engine {
  private:
   struct Target;
   struct TruthLink;
+  struct Surveillance;
 
   void drop_lost_tracks();
   void advance_truth();
@@ -87,6 +90,8 @@ class Engine {
   void choose();
   void execute(const Pair& pair);
   void compare_with_truth(std::size_t track);
+  void survey();
+  void hand_over(Track track);
   void count_losses();
   void report_truth();
   void restart(Target& target);
@@ -105,6 +110,9 @@ class Engine {
   std::vector<RandomStream> sensor_streams_;
   std::vector<double> usage_cost_;
   std::vector<SensorState> sensor_states_;
+
+  std::vector<Surveillance> surveillance_;  // of the sensors that have it
+  std::vector<Track> found_;
 
   std::vector<Target> targets_;
   std::vector<TargetTruth> truth_;  // of the living targets, in order

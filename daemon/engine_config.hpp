@@ -12,6 +12,7 @@
 #include "radar/range_bearing_radar.hpp"
 #include "radar/recording.hpp"
 #include "radar/scripted_trajectory.hpp"
+#include "tracker/initiation.hpp"
 #include "tracker/mode_bank.hpp"
 #include "tracker/tracker.hpp"
 
@@ -30,6 +31,7 @@ struct SensorConfig {
   double usage_cost = 0.0;  ///< gamma: cost of one look, in units of the policy's cost
   bool up = true;
   BudgetSettings budget;
+  int surveillance_scans = 0;  ///< scans from one surveillance look to the next; 0: none
 };
 
 /// Truth of one target, ready to be started at `start`.
@@ -63,13 +65,16 @@ struct FirstPlotStart {
   double speed_sigma_mps = 150.0;  ///< airliners: nine tenths of them under 250 m/s in any direction
 };
 
+/// None: the target is left to track initiation.
+struct NoStart {};
+
 struct TargetConfig {
   std::string name;
   TimePoint start;                   ///< a whole number of scan periods
   std::optional<Duration> duration;  ///< empty: unlimited, or the recording's length
   std::variant<ScriptedMotion, JumpMarkovMotion, RecordedMotion> motion;
   double weight = 1.0;  ///< multiplies its cost in every policy and metric
-  std::variant<CuedStart, FirstPlotStart> track_start;
+  std::variant<CuedStart, FirstPlotStart, NoStart> track_start;
 };
 
 inline constexpr const char* kDefaultBank = "cruise_and_turn";
@@ -83,6 +88,7 @@ struct EngineConfig {
   std::vector<TargetConfig> targets;
   ModeBank bank = *named_bank(kDefaultBank);
   TrackerSettings tracker;
+  InitiationSettings initiation;
   /// Simulation only: the truth farther than this (squared distance, 2 degrees of freedom) from the prediction at 5
   /// consecutive detected looks loses the track. 9: a matched track is there at 1.1 % of its looks.
   double lost_squared_distance = 9.0;

@@ -35,7 +35,7 @@ void Summary::add(const Engine& engine) {
   auto truth = report.truth.begin();
   for (std::size_t i = 0; i < engine.tracks().size(); ++i) {
     const Track& track = engine.tracks()[i];
-    Row& row = rows_[track.name];
+    Row& row = rows_[track.name.empty() ? "track " + std::to_string(track.id.number) : track.name];
     row.status = status_text(track.status);
     row.state = track.combined.mean;
     row.sigma_m =

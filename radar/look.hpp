@@ -27,4 +27,9 @@ struct TargetTruth {
 void simulate_look(const Sensor& sensor, const Dwell& dwell, std::span<const TargetTruth> targets,
                    const RandomStream& stream, std::vector<Plot>& plots);
 
+/// Executes one surveillance look: every detection in the coverage, targets in order and then false alarms, drawn as
+/// `simulate_look` draws them. Requires a sensor whose coverage has an end.
+void simulate_survey(const Sensor& sensor, const Dwell& dwell, std::span<const TargetTruth> targets,
+                     const RandomStream& stream, std::vector<Plot>& plots);
+
 }  // namespace dwell

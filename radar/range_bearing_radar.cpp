@@ -68,6 +68,12 @@ std::optional<Vector2> RangeBearingRadar::position_of(const Vector2& z) const {
   return to_cartesian(figures_.position_m, {z[0], z[1]});
 }
 
+std::optional<MeasurementBox> RangeBearingRadar::coverage() const {
+  if (!std::isfinite(figures_.max_range_m)) return std::nullopt;
+  const Vector2 half(0.5 * figures_.max_range_m, 0.5 * figures_.sector_width_rad);
+  return MeasurementBox{{half[0], figures_.sector_centre_rad}, half};
+}
+
 Vector2 RangeBearingRadar::footprint_half_extent() const {
   return {figures_.dwell_range_m, figures_.dwell_azimuth_rad};
 }

@@ -59,6 +59,7 @@ class RangeBearingRadar final : public Sensor {
   bool covers(const State& x) const override;
   std::optional<Vector2> position_of(const Vector2& z) const override;
   Vector2 footprint_half_extent() const override;
+  std::optional<MeasurementBox> coverage() const override;
   double clutter_density() const override { return figures_.clutter_density; }
   double largest_range() const override { return figures_.max_range_m; }
 

@@ -11,6 +11,12 @@ namespace dwell {
 
 using MeasurementJacobian = Eigen::Matrix<double, 2, kStateSize>;
 
+/// A part of the measurement space: centre +- half.
+struct MeasurementBox {
+  Vector2 centre;
+  Vector2 half;
+};
+
 /// What a sensor measures of a target, z = h(x) + v with v ~ N(0, R(x)), and when it sees it.
 ///
 /// One object is the truth that the simulation draws from, another the belief of tracker and policy: calibration
@@ -36,6 +42,8 @@ class Sensor {
   virtual std::optional<Vector2> position_of(const Vector2& z) const = 0;
   /// What one look returns plots from: h(pointing) +- this. Infinite for a sensor without a beam.
   virtual Vector2 footprint_half_extent() const { return Vector2::Constant(std::numeric_limits<double>::infinity()); }
+  /// What a surveillance look returns plots from; empty where that has no end.
+  virtual std::optional<MeasurementBox> coverage() const { return std::nullopt; }
   /// Mean number of false plots per unit of measurement volume (range-bearing: per metre and radian).
   virtual double clutter_density() const { return 0.0; }
   /// The first measurement component lies in [0, this]: where false plots can be.

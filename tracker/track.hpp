@@ -16,7 +16,8 @@ enum class TrackStatus {
 };
 
 enum class LossCause {
-  kNoPlots,    ///< so many looks without a plot in the gate are not to be believed of a live target
+  kNoPlots,    ///< so many looks without a plot in the gate are not to be believed of a live target, or its
+               ///< probability of existence fell below the limit
   kFromTruth,  ///< simulation only: the truth stayed far from the prediction
   kUncertain,  ///< nobody has looked for so long that the position is unknown
   kNumerics,   ///< the filter's numbers failed
@@ -37,6 +38,8 @@ struct Track {
   std::optional<double> nis;          ///< of the last plot used, 2 degrees of freedom
   int rejections = 0;                 ///< consecutive looks whose plots were all outside the gate
   double log_miss_probability = 0.0;  ///< of the present run of looks without a plot in the gate
+  bool tentative = false;             ///< begun by plots and not yet believed: track initiation judges it
+  std::optional<double> existence;    ///< probability that the target exists; only where the association computes it
 
   bool alive() const { return status != TrackStatus::kLost; }
   void lose(LossCause cause) {

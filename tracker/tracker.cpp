@@ -11,9 +11,6 @@
 namespace dwell {
 namespace {
 
-/// A certain detection that fails still is no proof that the target is gone: it is counted as this P_d.
-constexpr double kLargestBelievedDetection = 0.99;
-
 /// Of a sum of logarithms: runs of just the limit's probability, .1^8 or .01^4 of 1e-8, count as reaching it.
 constexpr double kLogRounding = 1e-9;
 
@@ -29,12 +26,20 @@ Tracker::Tracker(DiscreteBank bank, Eigen::VectorXd initial_probability, const T
   best_innovations_.resize(scratch_.modes.size());
 }
 
+void Tracker::reserve(std::size_t plots) {
+  if (settings_.association == Association::kNearest) return;
+  events_.reserve(plots, scratch_.modes.size());
+  factor_.reserve(plots);
+  if (settings_.association == Association::kJpda) cluster_.reserve(plots, scratch_.modes.size());
+}
+
 Track Tracker::start(TrackId id, std::string name, const Gaussian& belief) const {
   Track track;
   track.id = id;
   track.name = std::move(name);
   track.estimate = make_estimate(belief, initial_probability_);
   track.combined = belief;
+  if (settings_.has_existence()) track.existence = 1.0;
   return track;
 }
 
@@ -56,11 +61,79 @@ void Tracker::predict(Track& track) {
   track.combined = combine(track.estimate);
   const double variance = position_block(track.combined.covariance).trace();
   if (variance > settings_.lost_sigma_m * settings_.lost_sigma_m) track.lose(LossCause::kUncertain);
+  if (track.existence) *track.existence *= settings_.existence.survival;
 }
 
-LookOutcome Tracker::look(Track& track, const Sensor& sensor, const Dwell& dwell, std::span<const Plot> plots) {
+LookOutcome Tracker::look(Track& track, const Sensor& sensor, const Dwell& dwell, std::span<const Plot> plots,
+                          std::span<const Track> others) {
   track.last_look = dwell.time;
   track.last_radar = dwell.radar;
+  LookOutcome outcome;
+  if (settings_.association != Association::kNearest && look_at_all(track, sensor, dwell, plots, others, outcome)) {
+    return outcome;
+  }
+  return look_at_nearest(track, sensor, plots);
+}
+
+LookOutcome Tracker::survey(Track& track, const Sensor& sensor, const Dwell& dwell, std::span<const Plot> plots) {
+  // Points at the track: what little of it lies beyond the footprint's half extent is all that is miscounted.
+  Dwell at_track = dwell;
+  at_track.pointing = track.combined.mean;
+  return look(track, sensor, at_track, plots);
+}
+
+void Tracker::mark_gated(const Track& track, const Sensor& sensor, std::span<const Plot> plots,
+                         std::span<char> marked) {
+  if (predict_measurements(sensor, settings_.update, track.estimate, measurements_) != Numerics::kOk) return;
+  for (std::size_t i = 0; i < plots.size(); ++i) {
+    if (plots[i].z.allFinite() && gated_innovations(track, sensor, plots[i])) marked[i] = 1;
+  }
+}
+
+/// Every plot in the gate by its probability. Does nothing and says no where the nearest plot is as good: without
+/// clutter and without another track at the plots.
+bool Tracker::look_at_all(Track& track, const Sensor& sensor, const Dwell& dwell, std::span<const Plot> plots,
+                          std::span<const Track> others, LookOutcome& outcome) {
+  const bool joint = settings_.association == Association::kJpda;
+  if (sensor.clutter_density() <= 0.0 && !joint) return false;
+  const State pointing = dwell.pointing;
+  if (events_.list(sensor, settings_.update, settings_.gate, track.estimate, pointing, plots) != Numerics::kOk) {
+    track.lose(LossCause::kNumerics);
+    return true;
+  }
+  factor_.assign(events_.size(), 1.0);
+  if (joint) {
+    cluster_.exclude(track.id, events_, others, sensor, settings_.update, settings_.gate, pointing, plots, factor_);
+    if (sensor.clutter_density() <= 0.0 && cluster_.rivals() == 0) return false;
+  }
+  double likeliest = events_.none();
+  for (std::size_t i = 0; i < events_.size(); ++i) {
+    if (const double weight = factor_[i] * events_.sum(i); weight > likeliest) {
+      likeliest = weight;
+      outcome.used_plot = events_.plot(i);
+      track.nis = mixture_squared_distance(events_.predicted(), track.estimate.probability, events_.innovations(i));
+    }
+  }
+  const double likelihood_ratio = events_.likelihood_ratio(factor_);
+  const double detection = std::min(sensor.detection_probability(track.combined.mean), kLargestBelievedDetection);
+  events_.update(factor_, track.estimate);
+  track.combined = combine(track.estimate);
+  if (!track.combined.mean.allFinite() || !track.combined.covariance.allFinite()) {
+    track.lose(LossCause::kNumerics);
+    return true;
+  }
+  track.rejections = 0;
+  if (outcome.used_plot) {
+    track.status = TrackStatus::kConfirmed;
+    track.log_miss_probability = 0.0;
+  } else {
+    count_miss(track, detection);
+  }
+  judge_existence(track, likelihood_ratio);
+  return true;
+}
+
+LookOutcome Tracker::look_at_nearest(Track& track, const Sensor& sensor, std::span<const Plot> plots) {
   LookOutcome outcome;
   if (predict_measurements(sensor, settings_.update, track.estimate, measurements_) != Numerics::kOk) {
     track.lose(LossCause::kNumerics);
@@ -94,6 +167,7 @@ LookOutcome Tracker::look(Track& track, const Sensor& sensor, const Dwell& dwell
   track.status = TrackStatus::kConfirmed;
   track.rejections = 0;
   track.log_miss_probability = 0.0;
+  if (track.existence) track.existence = 1.0;  // without clutter a plot is proof
   return outcome;
 }
 
@@ -129,22 +203,35 @@ double Tracker::log_density(const Track& track) const {
 /// A look without a plot in the gate is evidence too, by Bayes: mu_j proportional to c_j (1 - P_d F_j), F_j the
 /// probability that mode j's target is in the footprint. Modes whose target may well have left the beam gain.
 void Tracker::miss(Track& track, const Sensor& sensor, bool had_plots) const {
-  track.status = TrackStatus::kCoasting;
   if (had_plots) ++track.rejections;
   const State pointing = track.combined.mean;
   const double detection = std::min(sensor.detection_probability(pointing), kLargestBelievedDetection);
+  double unseen = 1.0 - detection;
   if (sensor.footprint_half_extent().allFinite()) {  // without a beam a miss says the same of every mode
     for (int j = 0; j < track.estimate.size(); ++j) {
       const double inside = footprint_probability(sensor, track.estimate.modes[j], pointing);
       track.estimate.probability[j] *= 1.0 - detection * inside;
     }
-    track.estimate.probability /= track.estimate.probability.sum();
+    unseen = track.estimate.probability.sum();
+    track.estimate.probability /= unseen;
     track.combined = combine(track.estimate);
   }
-  // The run of misses is judged by P_d alone: a target that has left the beam is lost as well.
+  count_miss(track, detection);
+  judge_existence(track, unseen);
+}
+
+/// The run of misses is judged by P_d alone: a target that has left the beam is lost as well.
+void Tracker::count_miss(Track& track, double detection) const {
+  track.status = TrackStatus::kCoasting;
   track.log_miss_probability += std::log1p(-detection);
   const double limit = std::log(settings_.lost_probability) + kLogRounding;
-  if (track.log_miss_probability <= limit) track.lose(LossCause::kNoPlots);
+  if (!track.existence && track.log_miss_probability <= limit) track.lose(LossCause::kNoPlots);
+}
+
+void Tracker::judge_existence(Track& track, double likelihood_ratio) const {
+  if (!track.existence) return;
+  track.existence = existence_after(*track.existence, likelihood_ratio);
+  if (!track.tentative && *track.existence < settings_.existence.remove) track.lose(LossCause::kNoPlots);
 }
 
 }  // namespace dwell

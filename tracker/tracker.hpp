@@ -5,28 +5,48 @@
 
 #include "radar/plot.hpp"
 #include "radar/sensor.hpp"
+#include "tracker/association_events.hpp"
+#include "tracker/existence.hpp"
 #include "tracker/measurement.hpp"
+#include "tracker/plot_cluster.hpp"
 #include "tracker/track.hpp"
 
 namespace dwell {
 
+/// Which plots of a look update its track. Where a sensor has no clutter and no other track shares the plots, all are
+/// kNearest: the one target is what can be seen.
+enum class Association {
+  kNearest,  ///< the plot in the gate of the greatest predicted density
+  kPda,      ///< every plot in the gate by its probability; the target is taken to exist
+  kIpda,     ///< the same, with the probability that the target exists
+  kJpda,     ///< as kIpda, and tracks whose gates share plots are given theirs jointly (JIPDA)
+};
+
 struct TrackerSettings {
   UpdateForm update = UpdateForm::kEkf;
+  Association association = Association::kNearest;
   /// A plot is in the gate when any mode's squared distance is under gate (1 + rejections)^2. Infinite: every plot.
   /// 16: a matched mode rejects 3.4e-4 of its plots (chi-square, 2 degrees of freedom). The widening is what saves
-  /// a manoeuvring track: a rejected plot adds no evidence of a manoeuvre.
+  /// a manoeuvring track: a rejected plot adds no evidence of a manoeuvre. Where all plots of a gate count by their
+  /// probabilities it does not widen: what is far outside every mode is far likelier to be false.
   double gate = 16.0;
   /// A track is lost when its run of looks without a plot in the gate has this probability or less, prod (1 - P_d).
-  /// 1e-8: 8 looks at P_d = .9, one false loss in 1e8 / (looks per second) seconds of a healthy track.
+  /// 1e-8: 8 looks at P_d = .9, one false loss in 1e8 / (looks per second) seconds of a healthy track. Not of tracks
+  /// with a probability of existence, which decides.
   double lost_probability = 1e-8;
   /// A track is lost when the root of its position variance, x and y, is above this: it says nothing any more, and a
   /// look would not find the target. 20 km: twice the half depth of a footprint. Infinite: never.
   double lost_sigma_m = 20e3;
+  ExistenceSettings existence{};
+
+  bool has_existence() const { return association == Association::kIpda || association == Association::kJpda; }
 };
 
 /// What a look came to for its track.
 struct LookOutcome {
-  std::optional<std::size_t> used_plot;  ///< index into the look's plots
+  /// Index into the look's plots: the one that the track was updated with, or the likeliest of all events where every
+  /// plot of the gate counts.
+  std::optional<std::size_t> used_plot;
 };
 
 /// Moves tracks on and updates them with the plots of their looks.
@@ -43,6 +63,9 @@ class Tracker {
   int modes() const { return bank_.size(); }
   const DiscreteBank& bank() const { return bank_; }
 
+  /// Room for looks of so many plots: they then allocate nothing.
+  void reserve(std::size_t plots);
+
   /// A confirmed track from a given belief.
   Track start(TrackId id, std::string name, const Gaussian& belief) const;
 
@@ -53,12 +76,24 @@ class Tracker {
   /// One scan period on. A track whose numbers fail is lost.
   void predict(Track& track);
 
-  /// Associates the plots of the look made for this track and updates it with the one in the gate of the greatest
-  /// predicted density (nearest neighbour, log-determinants included). Plots that are not finite are passed over.
-  /// Only this track is touched; one whose numbers fail is lost.
-  LookOutcome look(Track& track, const Sensor& sensor, const Dwell& dwell, std::span<const Plot> plots);
+  /// Associates the plots of the look made for this track and updates it. `others` are the tracks that may have plots
+  /// in it too (kJpda): predicted to the time of the look, the track itself may be among them. Plots that are not
+  /// finite are passed over. Only this track is touched; one whose numbers fail is lost.
+  LookOutcome look(Track& track, const Sensor& sensor, const Dwell& dwell, std::span<const Plot> plots,
+                   std::span<const Track> others = {});
+
+  /// The same for the part of a surveillance look that lies about a tentative track: nothing is out of the beam.
+  LookOutcome survey(Track& track, const Sensor& sensor, const Dwell& dwell, std::span<const Plot> plots);
+
+  /// Sets `marked` of each plot in the track's gate.
+  void mark_gated(const Track& track, const Sensor& sensor, std::span<const Plot> plots, std::span<char> marked);
 
  private:
+  bool look_at_all(Track& track, const Sensor& sensor, const Dwell& dwell, std::span<const Plot> plots,
+                   std::span<const Track> others, LookOutcome& outcome);
+  LookOutcome look_at_nearest(Track& track, const Sensor& sensor, std::span<const Plot> plots);
+  void count_miss(Track& track, double detection) const;
+  void judge_existence(Track& track, double likelihood_ratio) const;
   bool gated_innovations(const Track& track, const Sensor& sensor, const Plot& plot);
   double log_density(const Track& track) const;
   void miss(Track& track, const Sensor& sensor, bool had_plots) const;
@@ -70,6 +105,9 @@ class Tracker {
   std::vector<PredictedMeasurement> measurements_;
   std::vector<Vector2> innovations_;
   std::vector<Vector2> best_innovations_;
+  AssociationEvents events_;
+  PlotCluster cluster_;
+  std::vector<double> factor_;
 };
 
 }  // namespace dwell

@@ -5,6 +5,9 @@
 namespace dwell {
 namespace {
 
+/// That one look may draw on average; a million is a mistake in the units, and would stop the scan.
+constexpr double kMostFalsePlots = 1e4;
+
 BudgetSettings read_budget(FieldReader in, Duration scan_period) {
   constexpr int kMostLooks = 100'000;
   BudgetSettings budget;
@@ -31,6 +34,29 @@ BudgetSettings read_budget(FieldReader in, Duration scan_period) {
         "must be less than the " + std::to_string(budget.scans) + " scans of " + field + ", or it limits nothing");
   }
   return budget;
+}
+
+/// Scans between surveillance looks; 0 for none.
+int read_surveillance(FieldReader in, Duration scan_period, const RadarFigures& figures) {
+  double period_s = to_seconds(scan_period);
+  in.required("period_s");
+  in.number("period_s", above(0.0, 3600.0), 1.0, period_s);
+  if (!is_multiple(from_seconds(period_s), scan_period)) {
+    in.refuse("period_s", in.value("period_s"), "must be a whole number of scan periods");
+    return 0;
+  }
+  const auto coverage = RangeBearingRadar(figures).coverage();
+  if (!coverage) {
+    in.refuse("period_s", in.value("period_s"), "needs a radar with a finite max_range_m");
+    return 0;
+  }
+  const double false_plots = figures.clutter_density * 4.0 * coverage->half.prod();
+  if (false_plots > kMostFalsePlots) {
+    in.refuse("period_s", in.value("period_s"),
+              "needs at most 10000 false plots a surveillance look (density x coverage); there are " +
+                  number_text(false_plots));
+  }
+  return static_cast<int>(from_seconds(period_s) / scan_period);
 }
 
 /// What every sensor has, whatever it measures.
@@ -74,11 +100,13 @@ SensorConfig read_radar(FieldReader in, Duration scan_period) {
   in.number("dwell_azimuth_deg", above(0.0, 180.0), kDegree, figures.dwell_azimuth_rad);
   in.number("dwell_range_m", length_m(), 1.0, figures.dwell_range_m);
   read_use(in, scan_period, sensor);
-  // What one look would draw on average; a million is a mistake in the units, and would stop the scan.
   const double false_plots = figures.clutter_density * 4.0 * figures.dwell_range_m * figures.dwell_azimuth_rad;
-  if (false_plots > 1e4) {
+  if (false_plots > kMostFalsePlots) {
     in.refuse("clutter_density", in.value("clutter_density"),
               "must give at most 10000 false plots a look (density x footprint); gives " + number_text(false_plots));
+  }
+  if (in.has("surveillance")) {
+    sensor.surveillance_scans = read_surveillance(in.child("surveillance"), scan_period, figures);
   }
   sensor.figures = figures;
   return sensor;

@@ -169,7 +169,14 @@ RecordedMotion read_recorded(FieldReader in, const EngineConfig& config, Recordi
   return motion;
 }
 
-std::variant<CuedStart, FirstPlotStart> read_track_start(FieldReader in, const EngineConfig& config) {
+std::variant<CuedStart, FirstPlotStart, NoStart> read_track_start(FieldReader in, const EngineConfig& config) {
+  if (in.has("none")) {
+    if (in.count("covariance") > 0 || in.has("first_plot")) in.refuse("none", "", "must stand alone");
+    const bool surveyed = std::any_of(config.sensors.begin(), config.sensors.end(),
+                                      [](const SensorConfig& sensor) { return sensor.surveillance_scans > 0; });
+    if (!surveyed) in.refuse("none", "", "needs a radar with surveillance, which finds the target");
+    return NoStart{};
+  }
   if (in.has("first_plot")) {
     FirstPlotStart start;
     if (in.count("covariance") > 0) in.refuse("covariance", "", "must not stand with first_plot");

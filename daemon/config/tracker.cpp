@@ -135,6 +135,39 @@ ModeBank read_bank(FieldReader in, Duration scan_period, const ModeBank& fallbac
   return bank;
 }
 
+namespace {
+
+void read_existence(FieldReader& in, Duration scan_period, TrackerSettings& tracker) {
+  if (!tracker.has_existence()) {
+    if (in.has("existence")) in.refuse("existence", "", "is of the associations IPDA and JPDA");
+    return;
+  }
+  FieldReader existence = in.child("existence");
+  ExistenceSettings& settings = tracker.existence;
+  existence.number("confirm", between(0.0, 1.0), 1.0, settings.confirm);
+  existence.number("remove", between(0.0, 1.0), 1.0, settings.remove);
+  existence.number("new_targets_per_hour", above(0.0, 1e9), 1.0, settings.new_targets_per_hour);
+  double lifetime_s = 1000.0;  // the air picture of a radar is another one after a quarter of an hour
+  existence.number("lifetime_s", above(0.0, 1e9), 1.0, lifetime_s);
+  settings.survival = std::exp(-to_seconds(scan_period) / lifetime_s);
+  if (settings.remove >= settings.confirm) {
+    existence.refuse("remove", existence.value("remove"), "must be below confirm");
+  }
+}
+
+void read_initiation(FieldReader in, bool has_existence, InitiationSettings& initiation) {
+  in.number("largest_speed_mps", above(0.0, 1e6), 1.0, initiation.largest_speed_mps);
+  if (has_existence && !in.has("m_of_n")) return;
+  FieldReader rule = in.child("m_of_n");
+  MOfN m_of_n;
+  rule.integer("plots", 2, 100, m_of_n.plots);
+  rule.integer("looks", 2, 100, m_of_n.looks);
+  if (m_of_n.looks < m_of_n.plots) rule.refuse("looks", rule.value("looks"), "must be no less than plots");
+  initiation.m_of_n = m_of_n;
+}
+
+}  // namespace
+
 void read_tracker(FieldReader in, EngineConfig& config) {
   FieldReader bank = in.child("bank");
   config.bank = read_bank(bank, config.scan_period, config.bank);
@@ -145,6 +178,9 @@ void read_tracker(FieldReader in, EngineConfig& config) {
   in.number("lost_probability", between(0.0, 1.0), 1.0, config.tracker.lost_probability);
   in.number("lost_sigma_m", positive_or_infinite(), 1.0, config.tracker.lost_sigma_m);
   in.number("lost_squared_distance", positive_or_infinite(), 1.0, config.lost_squared_distance);
+  in.choice("association", config.tracker.association);
+  read_existence(in, config.scan_period, config.tracker);
+  if (in.has("initiation")) read_initiation(in.child("initiation"), config.tracker.has_existence(), config.initiation);
 }
 
 }  // namespace dwell

@@ -86,5 +86,23 @@ TEST(Allocation, ScanAllocatesNothingAfterWarmUpUnderAnyPolicy) {
   }
 }
 
+TEST(Allocation, NorDoesAnyAssociation) {
+  for (const char* association : {"PDA", "IPDA", "JPDA"}) {
+    SCOPED_TRACE(association);
+    std::string text = scenario(true, 30);
+    text.insert(text.find("tracker {") + 9, std::string(" association: ") + association);
+    Engine engine(config_of(text).engine);
+    for (int i = 0; i < 200; ++i) (void)engine.scan();
+    int allocating = 0;  // scans
+    for (int i = 0; i < scaled(500); ++i) {
+      const long before = allocations();
+      (void)engine.scan();
+      if (allocations() > before) ++allocating;
+    }
+    EXPECT_EQ(allocating, 0);
+    EXPECT_GE(6 * std::ssize(engine.tracks()), 5 * 30);
+  }
+}
+
 }  // namespace
 }  // namespace dwell::testing

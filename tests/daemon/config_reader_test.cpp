@@ -98,7 +98,7 @@ TEST(ConfigReader, UnknownEnumNumberOfAMessageIsRefused) {
     (void)read_config(message, "wire", ".");
     FAIL();
   } catch (const InvalidInput& error) {
-    EXPECT_STREQ(error.what(), "wire: tracker.update = 7: must be one of: EKF, CONVERTED");
+    EXPECT_STREQ(error.what(), "wire: tracker.update = 7: must be one of: EKF, CONVERTED, CUBATURE");
   }
 }
 

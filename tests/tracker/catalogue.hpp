@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "radar/frames.hpp"
+#include "tracker/measurement.hpp"
 #include "tracker/mode_bank.hpp"
 
 /// The motions and noises over which the laws are run. A new alternative of either variant gets its rows
@@ -69,6 +70,22 @@ inline long double alternating_series(long double u, int first) {
     term *= -u * u / static_cast<long double>((k + 1) * (k + 2));
   }
   return sum;
+}
+
+inline std::vector<UpdateForm> every_update() {
+  return {UpdateForm::kEkf, UpdateForm::kConverted, UpdateForm::kCubature};
+}
+
+inline std::string name_of(UpdateForm form) {
+  switch (form) {
+    case UpdateForm::kEkf:
+      return "ekf";
+    case UpdateForm::kConverted:
+      return "converted";
+    case UpdateForm::kCubature:
+      break;
+  }
+  return "cubature";
 }
 
 /// The names of all banks, out of `bank_names()`.

@@ -7,6 +7,7 @@
 #include "radar/range_bearing_radar.hpp"
 #include "tests/scale.hpp"
 #include "tests/statistics.hpp"
+#include "tests/tracker/catalogue.hpp"
 #include "tests/tracker/matrices.hpp"
 #include "tracker/metrics/nees.hpp"
 #include "tracker/tracker.hpp"
@@ -135,8 +136,8 @@ Setting radar_setting(double believed_density, UpdateForm form) {
 
 class RadarConsistency : public testing::TestWithParam<UpdateForm> {};
 
-INSTANTIATE_TEST_SUITE_P(Forms, RadarConsistency, testing::Values(UpdateForm::kEkf, UpdateForm::kConverted),
-                         [](const auto& row) { return row.param == UpdateForm::kEkf ? "ekf" : "converted"; });
+INSTANTIATE_TEST_SUITE_P(Forms, RadarConsistency, testing::ValuesIn(catalogue::every_update()),
+                         [](const auto& row) { return catalogue::name_of(row.param); });
 
 TEST_P(RadarConsistency, HasChiSquareNeesAndNis) {
   const Sums matched = run(radar_setting(kDensity, GetParam()), scaled(2000));

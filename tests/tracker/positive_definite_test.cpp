@@ -14,7 +14,7 @@
 #include "tracker/measurement.hpp"
 
 /// Covariances stay symmetric and positive definite over a million cycles of prediction and update: every
-/// bank, both update forms, intervals 1e-3 .. 100 s, targets 10 m .. 1000 km away in every direction, and
+/// bank, every update form, intervals 1e-3 .. 100 s, targets 10 m .. 1000 km away in every direction, and
 /// measurement variances of 1e-9 .. 1e9 times the predicted one.
 ///
 /// How much finer a radar measures along than across, as a ratio of variances, is bounded here by 1e8; a
@@ -89,10 +89,10 @@ class PositiveDefinite : public testing::TestWithParam<std::tuple<std::string, U
 
 INSTANTIATE_TEST_SUITE_P(Every, PositiveDefinite,
                          testing::Combine(testing::ValuesIn(catalogue::every_bank()),
-                                          testing::Values(UpdateForm::kEkf, UpdateForm::kConverted)),
+                                          testing::ValuesIn(catalogue::every_update())),
                          [](const auto& row) {
-                           const bool ekf = std::get<1>(row.param) == UpdateForm::kEkf;
-                           return std::get<0>(row.param) + (ekf ? "_ekf" : "_converted");
+                           const std::string form = catalogue::name_of(std::get<1>(row.param));
+                           return std::get<0>(row.param) + "_" + form;
                          });
 
 TEST_P(PositiveDefinite, OverAMillionCycles) {
@@ -100,7 +100,8 @@ TEST_P(PositiveDefinite, OverAMillionCycles) {
   const ModeBank named = named_bank(name).value();
   RandomStream stream(17);
   const std::vector<DiscreteBank> banks = over_random_intervals(named, stream);
-  const int cycles = scaled(1000000) / static_cast<int>(2 * catalogue::every_bank().size());
+  const int cycles =
+      scaled(1000000) / static_cast<int>(catalogue::every_update().size() * catalogue::every_bank().size());
   ImmEstimate estimate, predicted;
   std::vector<PredictedMeasurement> measurements;
   double least_pivot = 1.0;
