@@ -41,11 +41,12 @@ void PlotCluster::exclude(TrackId id, const AssociationEvents& own, std::span<co
 void PlotCluster::gate_rivals(TrackId id, std::span<const Track> rivals, const Sensor& sensor, UpdateForm form,
                               double gate, const State& pointing, std::span<const Plot> plots) {
   constexpr double kOutside = 1e-4;  // so little of it in the footprint takes no plot worth counting
+  while (rivals_.size() < rivals.size()) rivals_.emplace_back().events.reserve(plots_, modes_);
+  chosen_.reserve(rivals.size());
   count_ = 0;
   for (const Track& track : rivals) {
     if (track.id == id || !track.alive()) continue;
     if (footprint_probability(sensor, track.combined, pointing) < kOutside) continue;
-    if (rivals_.size() == count_) rivals_.emplace_back().events.reserve(plots_, modes_);
     Rival& rival = rivals_[count_];
     if (rival.events.list(sensor, form, gate, track.estimate, pointing, plots) != Numerics::kOk) continue;
     if (rival.events.size() == 0) continue;

@@ -41,7 +41,7 @@ class PlotCluster {
   void join(const AssociationEvents& own, std::size_t plots);
   void choose();
 
-  std::vector<Rival> rivals_;  // the first count_ are of this look; the rest is kept for its capacity
+  std::vector<Rival> rivals_;  // room for every track: the first count_ are of this look
   std::size_t count_ = 0;
   std::size_t plots_ = 0;  // room in each rival's events
   std::size_t modes_ = 0;
