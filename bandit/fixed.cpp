@@ -13,6 +13,7 @@ void Fixed::score(const Situation& situation, std::span<Candidate> candidates) {
 }
 
 void Fixed::chose(const Situation& situation, const Decision& decision) {
+  if (decision.owed) return;
   last_track_ = situation.tracks[decision.pair(0).track].id;
 }
 

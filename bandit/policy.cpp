@@ -15,12 +15,12 @@ bool conflicts(const Decision& decision, const Pair& pair) {
   });
 }
 
-/// The place of the best candidate that conflicts with no choice; empty where there is none.
-std::optional<std::size_t> best_free(const Decision& decision) {
+/// The place of the best candidate that matches and conflicts with no choice; empty where there is none.
+std::optional<std::size_t> best_free(const Decision& decision, const Owed& wanted = {}) {
   std::optional<std::size_t> best;
   for (std::size_t i = 0; i < decision.candidates.size(); ++i) {
     const Candidate& candidate = decision.candidates[i];
-    if (conflicts(decision, candidate.pair)) continue;
+    if (!wanted.matches(candidate.pair) || conflicts(decision, candidate.pair)) continue;
     if (!best || candidate.score > decision.candidates[*best].score) best = i;
   }
   return best;
@@ -42,16 +42,22 @@ void Policy::decide(const Situation& situation, Decision& decision) {
   decision.candidates.clear();
   decision.chosen.clear();
   decision.margin.reset();
+  decision.owed = false;
   decision.fell_back = false;
   for (const Pair& pair : situation.feasible) decision.candidates.push_back({pair, 0.0, {}, {}});
   if (decision.candidates.empty()) return;
   score(situation, decision.candidates);
   for (const Candidate& candidate : decision.candidates) DWELL_ASSERT(std::isfinite(candidate.score));
-  for (int look = 0; look < situation.looks; ++look) {
-    const auto best = best_free(decision);
-    if (!best) break;
-    decision.chosen.push_back(*best);
+  const std::size_t best = *best_free(decision);
+  const auto take = [&](const Owed& wanted) {
+    const auto next = std::ssize(decision.chosen) < situation.looks ? best_free(decision, wanted) : std::nullopt;
+    if (next) decision.chosen.push_back(*next);
+    return next.has_value();
+  };
+  for (const Owed& owed : situation.owed) take(owed);
+  while (take({})) {
   }
+  decision.owed = decision.candidates[decision.chosen.front()].score < decision.candidates[best].score;
   chose(situation, decision);
   decision.margin = margin(decision);
 }

@@ -20,6 +20,16 @@ struct Pair {
   std::size_t track = 0;
 };
 
+/// What is to be looked at first, whatever the scores say: candidates of that sensor, of that track, or of both.
+struct Owed {
+  std::optional<std::size_t> sensor;
+  std::optional<std::size_t> track;
+
+  bool matches(const Pair& pair) const {
+    return (!sensor || *sensor == pair.sensor) && (!track || *track == pair.track);
+  }
+};
+
 /// What a policy may know when it decides: every track is predicted to the time of the scan.
 struct Situation {
   TimePoint time;
@@ -31,8 +41,9 @@ struct Situation {
   std::span<const SensorState> states;     ///< of each sensor: up, and its budget
   std::span<const double> usage_cost;      ///< gamma of each sensor, in units of the policy's cost
   std::span<const Track> tracks;
-  std::span<const Pair> feasible;  ///< sensor up and within its budget, track alive and covered; tracks in order, then
-                                   ///< sensors
+  std::span<const Pair> feasible;   ///< sensor up and within its budget, track alive and covered; tracks in order, then
+                                    ///< sensors
+  std::span<const Owed> owed = {};  ///< each gets a look, in this order, where one is left
 };
 
 /// A feasible pair and what the policy thinks of it.
@@ -47,7 +58,9 @@ struct Candidate {
 struct Decision {
   std::vector<Candidate> candidates;  ///< all feasible pairs, in the situation's order
   std::vector<std::size_t> chosen;    ///< places in `candidates`, best first
-  std::optional<double> margin;       ///< score of the first choice minus the best of those not chosen
+  std::optional<double> margin;       ///< score of the first choice minus the best of those not chosen;
+                                      ///< negative where the first was owed
+  bool owed = false;                  ///< the first choice was owed its look: another has a better score
   bool fell_back = false;             ///< the policy could not answer and a cheaper one did
 
   const Pair& pair(std::size_t choice) const { return candidates[chosen[choice]].pair; }
@@ -57,7 +70,7 @@ struct Decision {
 ///
 /// The choice is the same for all: the best score first, then the best of another sensor and another track, until
 /// the looks of the scan are given. Ties go to the candidate that comes first. A look is made even when every score
-/// is negative: the link is there to be used.
+/// is negative: the link is there to be used. What is owed a look comes first, with its best score.
 class Policy {
  public:
   virtual ~Policy() = default;
@@ -69,8 +82,8 @@ class Policy {
  private:
   /// Writes the score (and costs) of every candidate; the pairs are there already.
   virtual void score(const Situation& situation, std::span<Candidate> candidates) = 0;
-  /// Called when the choice is made. What takes turns goes on from the first look alone: turns that the other looks
-  /// of a scan take before their time are not skipped.
+  /// Called when the choice is made. What takes turns goes on from the first look alone, and stays where it is when
+  /// that one was owed: turns that are taken before their time are not skipped.
   virtual void chose(const Situation& /*situation*/, const Decision& /*decision*/) {}
 };
 

@@ -58,6 +58,7 @@ void RoundRobin::score(const Situation& situation, std::span<Candidate> candidat
 }
 
 void RoundRobin::chose(const Situation& situation, const Decision& decision) {
+  if (decision.owed) return;
   last_sensor_ = decision.pair(0).sensor;
   last_track_ = situation.tracks[decision.pair(0).track].id;
 }

@@ -47,6 +47,7 @@ std::string decision_text(const Picture& picture) {
                         picture.names().track(look.track()), look.has_used_plot() ? "" : " (no plot)");
   }
   if (scan->has_margin()) text += ", margin " + general(scan->margin());
+  if (scan->owed()) text += ", owed";
   if (scan->fell_back()) text += ", fell back to a cheaper policy";
   return text;
 }

@@ -75,6 +75,7 @@ void encode(const ScanReport& report, std::span<const Track> tracks, v1::ScanRep
   }
   if (report.decision.margin) message.set_margin(*report.decision.margin);
   message.set_fell_back(report.decision.fell_back);
+  message.set_owed(report.decision.owed);
   std::size_t place = 0;
   for (const TruthReport& truth : report.truth) {
     while (tracks[place].id != truth.track) ++place;  // both in the order of the tracks

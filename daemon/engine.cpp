@@ -113,6 +113,7 @@ const ScanReport& Engine::scan() {
   predict_tracks();
   start_tracks();
   list_feasible_pairs();
+  find_overdue();
   choose();
   for (std::size_t look = 0; look < report_.decision.chosen.size(); ++look) execute(report_.decision.pair(look));
   survey();
@@ -225,6 +226,18 @@ void Engine::list_feasible_pairs() {
   }
 }
 
+/// The feasible track that has waited longest, where that is too long: no policy starves a track.
+void Engine::find_overdue() {
+  owed_.clear();
+  if (config_.max_wait_turns == 0 || feasible_.empty()) return;
+  const auto waits = [&](const Pair& pair) { return tracks_[pair.track].unseen_scans; };
+  const Pair& oldest = *std::max_element(feasible_.begin(), feasible_.end(),
+                                         [&](const Pair& a, const Pair& b) { return waits(a) < waits(b); });
+  const auto living = std::count_if(tracks_.begin(), tracks_.end(), [](const Track& track) { return track.alive(); });
+  const auto limit = static_cast<double>(config_.max_wait_turns) * static_cast<double>(living) / config_.looks_per_scan;
+  if (waits(oldest) > limit) owed_.push_back({{}, oldest.track});
+}
+
 void Engine::choose() {
   const Situation situation{.time = report_.time,
                             .looks = config_.looks_per_scan,
@@ -235,7 +248,8 @@ void Engine::choose() {
                             .states = sensor_states_,
                             .usage_cost = usage_cost_,
                             .tracks = tracks_,
-                            .feasible = feasible_};
+                            .feasible = feasible_,
+                            .owed = owed_};
   policy_->decide(situation, report_.decision);
   report_.policy = policy_->name();
   report_.looks.clear();

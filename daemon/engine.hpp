@@ -87,6 +87,7 @@ class Engine {
   void predict_tracks();
   void start_tracks();
   void list_feasible_pairs();
+  void find_overdue();
   void choose();
   void execute(const Pair& pair);
   void compare_with_truth(std::size_t track);
@@ -119,6 +120,7 @@ class Engine {
   std::vector<Track> tracks_;
   std::vector<TruthLink> links_;  // beside tracks_
   std::vector<Pair> feasible_;
+  std::vector<Owed> owed_;
   std::vector<Plot> look_plots_;
   std::uint32_t last_track_number_ = 0;
   std::uint32_t last_target_number_ = 0;

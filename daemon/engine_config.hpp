@@ -84,6 +84,7 @@ struct EngineConfig {
   Duration scan_period = std::chrono::seconds(1);
   std::uint64_t seed = 1;
   int looks_per_scan = 1;
+  int max_wait_turns = 10;  ///< of looks at all living tracks; a track that waits longer is next; 0: never
   std::vector<SensorConfig> sensors;
   std::vector<TargetConfig> targets;
   ModeBank bank = *named_bank(kDefaultBank);

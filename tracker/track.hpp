@@ -33,6 +33,7 @@ struct Track {
   TrackStatus status = TrackStatus::kConfirmed;
   std::optional<LossCause> loss;
   int age_scans = 0;
+  int unseen_scans = 0;  ///< since the last look, or the start
   std::optional<TimePoint> last_look;
   RadarId last_radar;                 ///< meaningful with last_look
   std::optional<double> nis;          ///< of the last plot used, 2 degrees of freedom

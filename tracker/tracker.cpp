@@ -56,6 +56,7 @@ std::optional<Gaussian> Tracker::belief_from(const Plot& plot, const Sensor& sen
 
 void Tracker::predict(Track& track) {
   ++track.age_scans;
+  ++track.unseen_scans;
   if (dwell::predict(bank_, track.estimate, scratch_) != Numerics::kOk) return track.lose(LossCause::kNumerics);
   std::swap(track.estimate, scratch_);
   track.combined = combine(track.estimate);
@@ -66,6 +67,7 @@ void Tracker::predict(Track& track) {
 
 LookOutcome Tracker::look(Track& track, const Sensor& sensor, const Dwell& dwell, std::span<const Plot> plots,
                           std::span<const Track> others) {
+  track.unseen_scans = 0;
   track.last_look = dwell.time;
   track.last_radar = dwell.radar;
   LookOutcome outcome;

@@ -75,6 +75,7 @@ class ConfigReader {
       add("linear_sensor", i, read_linear_sensor(top_.element("linear_sensor", i), period));
     }
     top_.integer("looks_per_scan", 1, std::max(1, radars + linear), engine_.looks_per_scan);
+    top_.integer("max_wait_turns", 0, 1'000'000, engine_.max_wait_turns);
   }
 
   void read_targets() {

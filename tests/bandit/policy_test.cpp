@@ -120,6 +120,49 @@ TEST_P(EveryPolicy, SeveralLooksTakeDistinctSensorsAndTracks) {
   }
 }
 
+/// What is owed comes first, with its best score; the rest as ever.
+TEST_P(EveryPolicy, WhatIsOwedALookComesFirst) {
+  for (int seed = 0; seed < scaled(50); ++seed) {
+    Scene scene = random_scene(4, static_cast<std::uint64_t>(seed));
+    Situation situation = scene.situation(2);
+    const std::vector<Owed> owed{{{}, static_cast<std::size_t>(seed % 4)}, {static_cast<std::size_t>(seed % 3), {}}};
+    situation.owed = owed;
+    policy_->decide(situation, decision_);
+    const auto& candidates = decision_.candidates;
+    const auto best_of_owed = [&](std::size_t look) {
+      const double score = candidates[decision_.chosen[look]].score;
+      return std::ranges::all_of(candidates, [&](const Candidate& other) {
+        return !owed[look].matches(other.pair) || !free_of(decision_, look, other.pair) || other.score <= score;
+      });
+    };
+    ASSERT_EQ(decision_.chosen.size(), 2U);
+    EXPECT_EQ(decision_.pair(0).track, *owed[0].track);
+    EXPECT_TRUE(best_of_owed(0));
+    EXPECT_EQ(decision_.owed,
+              *decision_.margin < 0 || candidates[decision_.chosen[1]].score > candidates[decision_.chosen[0]].score);
+    if (decision_.pair(0).sensor == *owed[1].sensor) continue;  // has its look
+    EXPECT_EQ(decision_.pair(1).sensor, *owed[1].sensor);
+    EXPECT_TRUE(best_of_owed(1));
+  }
+}
+
+/// A turn that an owed look takes before its time is not skipped.
+TEST(RoundRobinPolicy, OwedLooksDoNotMoveTheTurn) {
+  for (const bool interrupted : {false, true}) {
+    RoundRobin policy{{}};
+    Scene scene = plain_scene(3, {1, 2, 3});
+    Decision decision;
+    policy.decide(scene.situation(), decision);
+    const std::size_t first = decision.pair(0).track;
+    Situation situation = scene.situation();
+    const std::vector<Owed> owed{{{}, first}};
+    situation.owed = owed;
+    if (interrupted) policy.decide(situation, decision);
+    policy.decide(scene.situation(), decision);
+    EXPECT_EQ(decision.pair(0).track, (first + 1) % 3) << interrupted;
+  }
+}
+
 /// Twins of everything: whatever the policy, a tie goes to the candidate that comes first.
 TEST_P(EveryPolicy, TiesGoToTheFirst) {
   Scene scene = plain_scene(3, {1, 2, 3});

@@ -113,6 +113,13 @@ TEST(Explain, SaysThatThePolicyFellBack) {
   EXPECT_THAT(text_of(s), HasSubstr("the policy could not answer; a cheaper one decided"));
 }
 
+TEST(Explain, SaysThatTheLookWasOwed) {
+  v1::Snapshot s = one_scan();
+  EXPECT_THAT(text_of(s), Not(HasSubstr("owed")));
+  s.mutable_last_scan()->set_owed(true);
+  EXPECT_THAT(text_of(s), HasSubstr("the first look was owed: its track had waited too long"));
+}
+
 TEST(Explain, ScoresThatAreNotNumbersGoLastAndAreDashes) {
   v1::Snapshot s = one_scan();
   s.mutable_last_scan()->mutable_candidate(0)->set_score(std::numeric_limits<double>::quiet_NaN());

@@ -50,6 +50,8 @@ const std::vector<Row> kRows{
    not_finite_and({"0", "-1", "0.0009", "3600.1"}), {"0.001", "0.25", "3600"}},
   {"Config.looks_per_scan", top("looks_per_scan: @"), "looks_per_scan", "must be a whole number from 1 to 1",
    {"0", "2", "4294967295"}, {"1"}},
+  {"Config.max_wait_turns", top("max_wait_turns: @"), "max_wait_turns", "must be a whole number from 0 to 1000000",
+   {"1000001", "4294967295"}, {"0", "1", "1000000"}},
   {"Config.study_scans", top("study_scans: @"), "study_scans", "must be a whole number from 1 to 1000000",
    {"0", "1000001", "4294967295"}, {"1", "1000000"}},
 
