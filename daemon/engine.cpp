@@ -92,6 +92,7 @@ Engine::Engine(const EngineConfig& config)
     look_plots_.reserve(most_plots(sensor, sensor.coverage()->half, targets));
   }
   report_.plots.reserve(most * static_cast<std::size_t>(config_.looks_per_scan));
+  owed_.reserve(1);
   counts_.looks.resize(sensors_.size());
   counts_.detections.resize(sensors_.size());
   for (const TargetConfig& target : config_.targets) {
