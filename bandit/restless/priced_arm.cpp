@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <stdexcept>
 
 namespace dwell::restless {
@@ -27,6 +28,13 @@ constexpr double kApart = 1.05;
 constexpr int kExtrapolate = 32;
 /// Idle lengths of the seeds' periodic looks.
 constexpr int kSeedPeriods[] = {1, 2, 3, 4, 6, 8, 12, 16, 24};
+
+bool within(const Packed& a, const Packed& b, const Packed& tolerance) {
+  for (Eigen::Index i = 0; i < a.size(); ++i) {
+    if (!(std::abs(a[i] - b[i]) <= tolerance[i])) return false;
+  }
+  return true;
+}
 
 }  // namespace
 
@@ -74,25 +82,25 @@ double PricedArm::scans(std::size_t k) const { return nodes_[k].sensor < 0 ? pau
 
 double PricedArm::next_discount(std::size_t k) const { return nodes_[k].sensor < 0 ? pause_of(k).discount : discount_; }
 
-/// Whether no element differs by more than that part of the standard deviations of `p`.
-bool PricedArm::near(const Packed& p, const Packed& other, double relative) const {
+/// How far each element may be from that of `p`: a part of the product of two standard deviations.
+Packed PricedArm::tolerance(const Packed& p, double relative) const {
   const Eigen::Index n = arm_.states();
   double sigma[kMaximumStates];
   Eigen::Index at = 0;
   for (Eigen::Index j = 0; j < n; at += n - j, ++j) sigma[j] = std::sqrt(p[at]);
+  Packed tolerance(p.size());
   at = 0;
   for (Eigen::Index j = 0; j < n; ++j) {
-    for (Eigen::Index i = j; i < n; ++i, ++at) {
-      if (!(std::abs(other[at] - p[at]) <= relative * sigma[i] * sigma[j])) return false;
-    }
+    for (Eigen::Index i = j; i < n; ++i, ++at) tolerance[at] = relative * sigma[i] * sigma[j];
   }
-  return true;
+  return tolerance;
 }
 
 /// The point that is the same covariance; -1: none.
 int PricedArm::find(const Packed& p) const {
+  const Packed tolerance = this->tolerance(p, same_point_);
   for (std::size_t k = 0; k < points_.size(); ++k) {
-    if (near(p, points_[k].p, same_point_)) return static_cast<int>(k);
+    if (within(p, points_[k].p, tolerance)) return static_cast<int>(k);
   }
   return -1;
 }
@@ -103,7 +111,7 @@ void PricedArm::place_pause(Point& point) {
   for (std::size_t k = 0; k < pauses_.size(); ++k) {
     const Packed end = pauses_[k].after * point.p + pauses_[k].noise;
     if (!end.allFinite()) break;
-    if (near(end, point.p, kApart * same_point_)) continue;
+    if (within(end, point.p, tolerance(end, kApart * same_point_))) continue;
     point.pause = static_cast<int>(k);
     point.pause_successor = end;
     return;
@@ -298,28 +306,88 @@ Packed PricedArm::backed_up_weight(std::size_t k) const {
   return l;
 }
 
-/// All L of the controller, to rounding. A loop of plans that never looks at an unstable arm has none: its nodes, and
-/// what leads to them, are not kept. Whether any is.
+/// The strongly connected components of the controller's graph, what they lead to first; `ends` are their ends in
+/// `order`. Within one, what was found last comes first. Source: Tarjan (1972), SIAM J. Comput. 1(2).
+void PricedArm::find_components(std::vector<std::size_t>& order, std::vector<std::size_t>& ends) const {
+  constexpr int kUnseen = 0, kDone = std::numeric_limits<int>::max();
+  std::vector<int> lowest(nodes_.size(), kUnseen);  // of the nodes on the stack that it leads to
+  std::vector<int> found(nodes_.size(), kUnseen);
+  std::vector<std::size_t> stack;
+  struct Visit {
+    std::size_t node;
+    int next;  // of its two successors
+  };
+  std::vector<Visit> open;
+  int count = 0;
+  const auto enter = [&](std::size_t k) {
+    lowest[k] = found[k] = ++count;
+    stack.push_back(k);
+    open.push_back({k, 0});
+  };
+  for (std::size_t start = 0; start < nodes_.size(); ++start) {
+    if (!nodes_[start].active || found[start] != kUnseen) continue;
+    enter(start);
+    while (!open.empty()) {
+      Visit& visit = open.back();
+      const std::size_t k = visit.node;
+      if (visit.next < 2) {
+        const auto to = static_cast<std::size_t>(visit.next++ == 0 ? nodes_[k].detected : nodes_[k].missed);
+        if (found[to] == kUnseen) {
+          enter(to);
+        } else {
+          lowest[k] = std::min(lowest[k], lowest[to]);
+        }
+        continue;
+      }
+      open.pop_back();
+      if (!open.empty()) lowest[open.back().node] = std::min(lowest[open.back().node], lowest[k]);
+      if (lowest[k] != found[k]) continue;
+      std::size_t member;
+      do {
+        member = stack.back();
+        stack.pop_back();
+        lowest[member] = kDone;
+        order.push_back(member);
+      } while (member != k);
+      ends.push_back(order.size());
+    }
+  }
+}
+
+/// All L of the controller, to rounding, component by component. A loop of plans that never looks at an unstable arm
+/// has none: its nodes, and what leads to them, are not kept. Whether any is.
 bool PricedArm::solve_weights() {
   constexpr double kConverged = 1e-9;
   constexpr double kEndless = 1e100;
-  std::vector<double> change(nodes_.size(), 0.0);
-  for (int step = 0; step < most_sweeps_; ++step) {
-    double largest = 0.0;
-    for (std::size_t k = nodes_.size(); k-- > 0;) {  // successors have been added later: most go first
-      if (!nodes_[k].active || change[k] == kEndless) continue;
-      const Packed l = backed_up_weight(k);
-      const double scale = l.cwiseAbs().maxCoeff();
-      auto column = weights_.col(static_cast<Eigen::Index>(k));
-      change[k] = (l - column).cwiseAbs().maxCoeff() / (scale > 0.0 ? scale : 1.0);
-      column = l;
-      if (!(scale < kEndless)) change[k] = kEndless;
-      largest = std::max(largest, change[k]);
+  std::vector<std::size_t> order, ends;
+  find_components(order, ends);
+  kept_.assign(nodes_.size(), 1);  // of those that are not active nothing is asked, until the end
+  std::size_t first = 0;
+  for (const std::size_t end : ends) {
+    const std::span<const std::size_t> component(order.data() + first, end - first);
+    first = end;
+    bool finite = std::all_of(component.begin(), component.end(), [&](std::size_t k) {
+      return kept_[static_cast<std::size_t>(nodes_[k].detected)] != 0 &&
+             kept_[static_cast<std::size_t>(nodes_[k].missed)] != 0;
+    });
+    double change = 1.0;
+    for (int sweep = 0; finite && sweep < most_sweeps_ && change >= 1e-13; ++sweep) {
+      change = 0.0;
+      for (const std::size_t k : component) {
+        const Packed l = backed_up_weight(k);
+        const double scale = l.cwiseAbs().maxCoeff();
+        auto column = weights_.col(static_cast<Eigen::Index>(k));
+        change = std::max(change, (l - column).cwiseAbs().maxCoeff() / (scale > 0.0 ? scale : 1.0));
+        column = l;
+        finite = finite && scale < kEndless;
+      }
+      const bool alone = component.size() == 1 && nodes_[component[0]].detected != static_cast<int>(component[0]) &&
+                         nodes_[component[0]].missed != static_cast<int>(component[0]);
+      if (alone) change = 0.0;
     }
-    if (largest < 1e-13) break;
+    for (const std::size_t k : component) kept_[k] = finite && change < kConverged ? 1 : 0;
   }
-  kept_.assign(nodes_.size(), 0);
-  for (std::size_t k = 0; k < nodes_.size(); ++k) kept_[k] = nodes_[k].active && change[k] < kConverged ? 1 : 0;
+  for (std::size_t k = 0; k < nodes_.size(); ++k) kept_[k] = kept_[k] != 0 && nodes_[k].active ? 1 : 0;
   return std::find(kept_.begin(), kept_.end(), 1) != kept_.end();
 }
 

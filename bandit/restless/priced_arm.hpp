@@ -55,6 +55,9 @@ class PricedArm {
   /// cost, which `validate_costs` refuses.
   PricedArm(const Arm& arm, double discount, const PricedArmSettings& settings = {});
 
+  /// A predicted covariance from which the value is to be good as well: plans are followed from there too.
+  void add_seed(const Matrix& predicted) { seeds_.push_back(find_or_add(pack_state(predicted))); }
+
   PricedValue solve(double price);
 
   /// Of the last price.
@@ -95,7 +98,7 @@ class PricedArm {
 
   double p_detect(const Node& node) const;
   const LookMap& look_of(std::size_t k) const;
-  bool near(const Packed& p, const Packed& other, double relative) const;
+  Packed tolerance(const Packed& p, double relative) const;
   int find(const Packed& p) const;
   void place_pause(Point& point);
   const Pause& pause_of(std::size_t k) const;
@@ -110,6 +113,7 @@ class PricedArm {
   void keep_only(const std::vector<char>& reached);
   bool evaluate(double price);
   Packed backed_up_weight(std::size_t k) const;
+  void find_components(std::vector<std::size_t>& order, std::vector<std::size_t>& ends) const;
   bool solve_weights();
   void immediate();
   bool deterministic() const;
