@@ -20,6 +20,8 @@ struct Make {
   std::unique_ptr<Policy> operator()(const BeamSettings& s) const { return std::make_unique<Beam>(s); }
   std::unique_ptr<Policy> operator()(const OptimumSettings& s) const { return std::make_unique<Optimum>(s); }
   std::unique_ptr<Policy> operator()(const LookAheadSettings& s) const { return std::make_unique<LookAhead>(s); }
+  std::unique_ptr<Policy> operator()(const OrbitSettings& s) const { return std::make_unique<OrbitPolicy>(s); }
+  std::unique_ptr<Policy> operator()(const IndexSettings& s) const { return std::make_unique<Index>(s); }
 };
 
 }  // namespace

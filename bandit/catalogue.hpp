@@ -6,9 +6,11 @@
 #include "bandit/beam.hpp"
 #include "bandit/bhattacharyya.hpp"
 #include "bandit/fixed.hpp"
+#include "bandit/index.hpp"
 #include "bandit/largest_variance.hpp"
 #include "bandit/look_ahead.hpp"
 #include "bandit/optimum.hpp"
+#include "bandit/orbit.hpp"
 #include "bandit/policy.hpp"
 #include "bandit/random_choice.hpp"
 #include "bandit/relaxed_dp.hpp"
@@ -20,9 +22,10 @@
 namespace dwell {
 
 /// Every policy's settings; the default first.
-using PolicySettings = std::variant<SaImmSettings, RoundRobinSettings, FixedSettings, LargestVarianceSettings,
-                                    BhattacharyyaSettings, RandomSettings, WindowSettings, ThresholdSettings,
-                                    RelaxedDpSettings, BeamSettings, OptimumSettings, LookAheadSettings>;
+using PolicySettings =
+    std::variant<SaImmSettings, RoundRobinSettings, FixedSettings, LargestVarianceSettings, BhattacharyyaSettings,
+                 RandomSettings, WindowSettings, ThresholdSettings, RelaxedDpSettings, BeamSettings, OptimumSettings,
+                 LookAheadSettings, OrbitSettings, IndexSettings>;
 
 std::unique_ptr<Policy> make_policy(const PolicySettings& settings);
 

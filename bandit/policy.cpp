@@ -44,7 +44,9 @@ void Policy::decide(const Situation& situation, Decision& decision) {
   decision.margin.reset();
   decision.owed = false;
   decision.fell_back = false;
-  for (const Pair& pair : situation.feasible) decision.candidates.push_back({pair, 0.0, {}, {}});
+  decision.answered_by = {};
+  decision.relaxed.reset();
+  for (const Pair& pair : situation.feasible) decision.candidates.push_back({pair, 0.0, {}, {}, {}});
   if (decision.candidates.empty()) return;
   score(situation, decision.candidates);
   for (const Candidate& candidate : decision.candidates) DWELL_ASSERT(std::isfinite(candidate.score));

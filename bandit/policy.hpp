@@ -29,6 +29,7 @@ struct Owed {
     return (!sensor || *sensor == pair.sensor) && (!track || *track == pair.track);
   }
 };
+class ValueTable;
 
 /// What a policy may know when it decides: every track is predicted to the time of the scan.
 struct Situation {
@@ -44,6 +45,16 @@ struct Situation {
   std::span<const Pair> feasible;   ///< sensor up and within its budget, track alive and covered; tracks in order, then
                                     ///< sensors
   std::span<const Owed> owed = {};  ///< each gets a look, in this order, where one is left
+  double scan_period_s = 1.0;
+  ValueTable* value_table = nullptr;  ///< where priced value sets come from (bandit/value_table.hpp); null: a policy
+                                      ///< that needs one has its own
+};
+
+/// What a score of an index policy is made of: score = gain_now + value_later - price.
+struct ScoreParts {
+  double gain_now = 0.0;     ///< weighted, of this scan's cost
+  double value_later = 0.0;  ///< what the look saves in later scans
+  double price = 0.0;        ///< what a look costs: what it would be worth elsewhere, and gamma of the sensor
 };
 
 /// A feasible pair and what the policy thinks of it.
@@ -52,6 +63,13 @@ struct Candidate {
   double score = 0.0;                       ///< a gain: larger is better, for every policy; finite
   std::optional<double> cost_without_look;  ///< weighted; only of policies that compute a cost
   std::optional<double> expected_cost;      ///< weighted, after the look; likewise
+  std::optional<ScoreParts> parts;          ///< only of index policies
+};
+
+/// The relaxation that an index policy decides by: so many looks a scan on average, at a price.
+struct Relaxed {
+  double price = 0.0;      ///< of a look, in units of the cost
+  double reference = 0.0;  ///< cost a scan of the best priced policies known, less what the looks cost: no bound
 };
 
 /// The choice of one scan and its reason.
@@ -62,6 +80,8 @@ struct Decision {
                                       ///< negative where the first was owed
   bool owed = false;                  ///< the first choice was owed its look: another has a better score
   bool fell_back = false;             ///< the policy could not answer and a cheaper one did
+  std::string_view answered_by;       ///< that cheaper policy's name where it is one of the catalogue; else empty
+  std::optional<Relaxed> relaxed;     ///< only of `index`, where it answered itself
 
   const Pair& pair(std::size_t choice) const { return candidates[chosen[choice]].pair; }
 };

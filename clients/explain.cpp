@@ -40,7 +40,15 @@ std::string outcome_text(const v1::Look& look) {
   return look.has_nis() ? text + ", nis " + general(look.nis()) : text;
 }
 
+/// Of an index policy: what the look is worth now and later, and what it costs.
+std::string parts_text(const v1::Candidate& winner, const Names& names) {
+  return fmt::format("a look by {} at track {} gains {} now and {} later, for a price of {}: an index of {}",
+                     names.radar(winner.radar()), names.track(winner.track()), general(winner.gain_now()),
+                     general(winner.value_later()), general(winner.price()), general(winner.score()));
+}
+
 std::string gain_text(const v1::Candidate& winner, const Names& names) {
+  if (winner.has_gain_now()) return parts_text(winner, names);
   if (!winner.has_cost_without_look() || !winner.has_expected_cost()) {
     return fmt::format("a score of {}", general(winner.score()));
   }
@@ -104,7 +112,8 @@ Lines head(const v1::ScanReport& report, const std::vector<const v1::Candidate*>
                            report.candidate_size(), report.candidate_size() == 1 ? "" : "s"),
                Mark::kBold}};
   if (report.fell_back()) {
-    lines.push_back({"note    the policy could not answer; a cheaper one decided", Mark::kWarning});
+    const std::string other = report.answered_by().empty() ? "a cheaper one" : printable(report.answered_by());
+    lines.push_back({"note    the policy could not answer; " + other + " decided", Mark::kWarning});
   }
   if (report.owed()) lines.push_back({"note    the first look was owed: its track had waited too long", Mark::kPlain});
   if (report.look().empty()) lines.push_back({"chosen  nothing: no pair was feasible"});
@@ -118,6 +127,11 @@ Lines head(const v1::ScanReport& report, const std::vector<const v1::Candidate*>
     for (Line& line : wrap("why     " + reason_text(**winner, report, place, names), columns, kIndent)) {
       lines.push_back(std::move(line));
     }
+  }
+  if (report.has_relaxed()) {
+    lines.push_back({fmt::format("cost    {} m2 after the scan; reference {} m2 a scan (no bound), {:+.1f} %",
+                                 general(report.cost()), general(report.relaxed().reference()),
+                                 100.0 * (report.cost() / report.relaxed().reference() - 1.0))});
   }
   if (!sorted.empty()) lines.push_back({"margin  " + margin_text(report, sorted, names)});
   return lines;
@@ -133,19 +147,26 @@ Lines explain(const v1::Snapshot& snapshot, const Page& page) {
   Lines lines = head(report, sorted, names, page.columns);
   if (sorted.empty()) return lines;
 
-  Table table({{"", false, 0},
-               {"radar", false, 0},
-               {"track", true, 0},
-               {"name", false, 3},
-               {"score", true, 0},
-               {"cost without look", true, 2},
-               {"expected cost", true, 1}});
+  const bool parts = sorted.front()->has_gain_now();
+  std::vector<Column> columns{
+      {"", false, 0}, {"radar", false, 0}, {"track", true, 0}, {"name", false, 3}, {"score", true, 0}};
+  if (parts) {
+    columns.insert(columns.end(), {{"gain now", true, 0}, {"value later", true, 0}, {"price", true, 1}});
+  } else {
+    columns.insert(columns.end(), {{"cost without look", true, 2}, {"expected cost", true, 1}});
+  }
+  Table table(std::move(columns));
   for (const v1::Candidate* c : sorted) {
     const bool chosen = is_chosen(*c, report);
-    table.add({chosen ? "*" : "", names.radar(c->radar()), fmt::format("{}", c->track()), names.track_name(c->track()),
-               general(c->score()), c->has_cost_without_look() ? general(c->cost_without_look()) : "-",
-               c->has_expected_cost() ? general(c->expected_cost()) : "-"},
-              chosen ? Mark::kBold : Mark::kPlain);
+    std::vector<std::string> cells{chosen ? "*" : "", names.radar(c->radar()), fmt::format("{}", c->track()),
+                                   names.track_name(c->track()), general(c->score())};
+    if (parts) {
+      cells.insert(cells.end(), {general(c->gain_now()), general(c->value_later()), general(c->price())});
+    } else {
+      cells.push_back(c->has_cost_without_look() ? general(c->cost_without_look()) : "-");
+      cells.push_back(c->has_expected_cost() ? general(c->expected_cost()) : "-");
+    }
+    table.add(std::move(cells), chosen ? Mark::kBold : Mark::kPlain);
   }
   lines.push_back({""});
   const Page rest{page.columns, page.rows - static_cast<int>(lines.size())};

@@ -121,6 +121,14 @@ Lines format_status(const v1::Status& status) {
               {"filter failures", fmt::format("{}", status.filter_failures())},
               {"seed", fmt::format("{}", status.seed())},
               {"messages", fmt::format("{} published", status.last_sequence())}};
+  if (status.has_cost()) {
+    std::string text = general(status.cost()) + " m2 after the last scan";
+    if (status.has_reference()) {
+      text += fmt::format(", {:+.1f} % of a reference of {} m2 (not a bound)",
+                          100.0 * (status.cost() / status.reference() - 1.0), general(status.reference()));
+    }
+    facts.emplace_back("cost", text);
+  }
   if (!status.has_wall_clock()) {
     facts.emplace_back("wall clock", "none: a fast run");
     return align(facts);

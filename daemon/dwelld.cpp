@@ -4,7 +4,9 @@
 #include <csignal>
 #include <cstdio>
 #include <iostream>
+#include <thread>
 
+#include <sys/resource.h>
 #include <sys/signalfd.h>
 #include <unistd.h>
 
@@ -15,6 +17,7 @@
 #include <spdlog/spdlog.h>
 #include <CLI/CLI.hpp>
 
+#include "bandit/value_table.hpp"
 #include "daemon/config/config_reader.hpp"
 #include "daemon/exit_code.hpp"
 #include "daemon/flags.hpp"
@@ -83,6 +86,7 @@ Plan plan_replay(const Flags& flags) {
   plan.options.fast = true;
   plan.options.replaying = true;
   plan.options.replay = std::move(journal.requests);
+  plan.options.replay_late_values = std::move(journal.late_values);
   plan.options.scans = flags.scans;
   if (!flags.scans && journal.end) plan.options.scans = journal.end->scan();
   if (journal.end && plan.options.scans == journal.end->scan()) plan.options.end_reason = journal.end->reason();
@@ -107,6 +111,8 @@ Plan make_plan(const Flags& flags) {
     }
   }
   plan.options.wait_subscribers = flags.wait_subscribers;
+  const auto on_due = plan.options.fast ? ValueTable::OnDue::kBuild : ValueTable::OnDue::kGoOn;
+  plan.config.engine.value_table = std::make_shared<ValueTable>(on_due);
   return plan;
 }
 
@@ -129,6 +135,29 @@ void print(const std::string& text) {
   if (!(std::cout << text << std::flush)) throw std::runtime_error("cannot write to standard output");
 }
 
+/// Builds value sets beside the scans, when the processor has nothing better to do.
+class ValueBuilder {
+ public:
+  explicit ValueBuilder(ValueTable& table) : table_(table), thread_([this] { build(); }) {}
+  ~ValueBuilder() {
+    table_.stop();
+    thread_.join();
+  }
+  ValueBuilder(const ValueBuilder&) = delete;
+  ValueBuilder& operator=(const ValueBuilder&) = delete;
+
+ private:
+  void build() {
+    constexpr int kNice = 10;
+    (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);  // of this thread; without it all goes on
+    while (table_.build_next()) {
+    }
+  }
+
+  ValueTable& table_;
+  std::thread thread_;
+};
+
 void serve(const Flags& flags, const Plan& plan, int signals) {
   zmq::context_t context;
   Publisher publisher(context, plan.config.stream_bind, plan.config.stream_high_water_mark);
@@ -138,6 +167,7 @@ void serve(const Flags& flags, const Plan& plan, int signals) {
   Service service(run, publisher, control, signals, plan.options);
   spdlog::info("stream {}, control {}, {} sensors, {} targets, policy {}", publisher.endpoint(), control.endpoint(),
                plan.config.engine.sensors.size(), plan.config.engine.targets.size(), run.engine().policy_name());
+  const ValueBuilder builder(*plan.config.engine.value_table);
   Summary summary;
   service.loop([&](const Engine& engine) { summary.add(engine); });
   release_signals();

@@ -29,6 +29,14 @@ void encode(const TruthReport& truth, const Track& track, v1::Truth& message) {
 
 }  // namespace
 
+double weighted_cost(std::span<const Track> tracks) {
+  double cost = 0.0;
+  for (const Track& track : tracks) {
+    if (track.alive()) cost += track.weight * position_block(track.combined.covariance).trace();
+  }
+  return cost;
+}
+
 void encode(const Track& track, v1::Track& message) {
   message.Clear();
   message.set_id(track.id.number);
@@ -61,6 +69,10 @@ void encode(const ScanReport& report, std::span<const Track> tracks, v1::ScanRep
     out.set_score(candidate.score);
     if (candidate.cost_without_look) out.set_cost_without_look(*candidate.cost_without_look);
     if (candidate.expected_cost) out.set_expected_cost(*candidate.expected_cost);
+    if (!candidate.parts) continue;
+    out.set_gain_now(candidate.parts->gain_now);
+    out.set_value_later(candidate.parts->value_later);
+    out.set_price(candidate.parts->price);
   }
   for (std::size_t i = 0; i < report.looks.size(); ++i) {
     const LookReport& look = report.looks[i];
@@ -76,6 +88,12 @@ void encode(const ScanReport& report, std::span<const Track> tracks, v1::ScanRep
   if (report.decision.margin) message.set_margin(*report.decision.margin);
   message.set_fell_back(report.decision.fell_back);
   message.set_owed(report.decision.owed);
+  message.set_answered_by(std::string(report.decision.answered_by));
+  message.set_cost(weighted_cost(tracks));
+  if (report.decision.relaxed) {
+    message.mutable_relaxed()->set_price(report.decision.relaxed->price);
+    message.mutable_relaxed()->set_reference(report.decision.relaxed->reference);
+  }
   std::size_t place = 0;
   for (const TruthReport& truth : report.truth) {
     while (tracks[place].id != truth.track) ++place;  // both in the order of the tracks

@@ -6,6 +6,9 @@
 
 namespace dwell {
 
+/// Sum over the living tracks of weight x position variance, m^2.
+double weighted_cost(std::span<const Track> tracks);
+
 /// Engine state into wire messages. Each clears its message first and keeps its memory.
 
 void encode(const Track& track, v1::Track& message);

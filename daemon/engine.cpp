@@ -68,6 +68,7 @@ Engine::Engine(const EngineConfig& config)
       policy_stream_(root_.fork("policy")),
       tracker_(bank_of(config), config.bank.initial_probability, config.tracker),
       policy_(make_policy(config.policy)) {
+  if (config_.value_table == nullptr) config_.value_table = std::make_shared<ValueTable>();
   for (const SensorConfig& sensor : config_.sensors) {
     sensors_.push_back(make_sensor(sensor));
     sensor_views_.push_back(sensors_.back().get());
@@ -250,7 +251,9 @@ void Engine::choose() {
                             .usage_cost = usage_cost_,
                             .tracks = tracks_,
                             .feasible = feasible_,
-                            .owed = owed_};
+                            .owed = owed_,
+                            .scan_period_s = to_seconds(config_.scan_period),
+                            .value_table = config_.value_table.get()};
   policy_->decide(situation, report_.decision);
   report_.policy = policy_->name();
   report_.looks.clear();

@@ -75,6 +75,7 @@ class Engine {
   std::span<const Sensor* const> sensors() const { return sensor_views_; }
   const SensorState& sensor_state(std::size_t sensor) const { return sensor_states_[sensor]; }
   const EngineCounts& counts() const { return counts_; }
+  ValueTable& value_table() { return *config_.value_table; }
   std::string_view policy_name() const { return policy_->name(); }
 
  private:

@@ -94,6 +94,8 @@ struct EngineConfig {
   /// consecutive detected looks loses the track. 9: a matched track is there at 1.1 % of its looks.
   double lost_squared_distance = 9.0;
   PolicySettings policy;
+  /// Of priced value sets; runs may share one. Null: the engine makes its own.
+  std::shared_ptr<ValueTable> value_table;
 };
 
 }  // namespace dwell

@@ -119,6 +119,9 @@ Journal read_journal(const std::filesystem::path& file) {
       const bool ordered = journal.requests.empty() || journal.requests.back().scan() <= record.request().scan();
       if (!ordered) refuse("request.scan", std::to_string(record.request().scan()), "must not go back");
       journal.requests.push_back(std::move(*record.mutable_request()));
+    } else if (record.has_late_values()) {
+      const auto& keys = record.late_values().key();
+      journal.late_values[record.late_values().scan()].assign(keys.begin(), keys.end());
     } else if (record.has_end()) {
       journal.end = record.end();
     }

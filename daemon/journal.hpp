@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -31,8 +33,9 @@ class JournalWriter {
 /// A journal that was read whole.
 struct Journal {
   v1::JournalHeader header;
-  std::vector<v1::JournalRequest> requests;  ///< in order of their scans
-  std::optional<v1::JournalEnd> end;         ///< empty where the run was cut off
+  std::vector<v1::JournalRequest> requests;                         ///< in order of their scans
+  std::map<std::uint64_t, std::vector<std::uint64_t>> late_values;  ///< keys of value sets by the scan that missed them
+  std::optional<v1::JournalEnd> end;                                ///< empty where the run was cut off
 };
 
 /// Errors   InvalidInput: unreadable, no header, another version, a record that is damaged, cut off or out of place

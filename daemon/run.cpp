@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "bandit/value_table.hpp"
 #include "daemon/config/policy_reader.hpp"
 #include "daemon/encode.hpp"
 
@@ -63,7 +64,9 @@ Run::Run(const DaemonConfig& config, Sink& sink, std::uint64_t epoch, JournalWri
       policy_text_(policy_text(policy_)) {}
 
 void Run::scan() {
+  expect_late_values();
   const ScanReport& report = engine_.scan();
+  record_late_values();
   if (steps_ > 0) --steps_;
   for (const Track& track : engine_.tracks()) {
     encode(track, *stream_.envelope(Topic::kTrack).mutable_track());
@@ -78,6 +81,23 @@ void Run::scan() {
   }
   encode(report, engine_.tracks(), *stream_.envelope(Topic::kScan).mutable_scan_report());
   stream_.publish(Topic::kScan, report.time);
+}
+
+void Run::expect_late_values() {
+  if (const auto late = late_values_.find(scans() + 1); late != late_values_.end()) {
+    engine_.value_table().expect_late(late->second);
+  }
+}
+
+/// What depends on how fast sets are built is on the disk before the scan is published.
+void Run::record_late_values() {
+  const std::vector<std::uint64_t> late = engine_.value_table().take_late();
+  if (late.empty() || journal_ == nullptr) return;
+  v1::JournalRecord record;
+  record.mutable_late_values()->set_scan(scans());
+  for (const std::uint64_t key : late) record.mutable_late_values()->add_key(key);
+  std::string problem;
+  (void)journal_->append(record, problem);  // a disk that is full refuses commands; scans go on
 }
 
 v1::Reply Run::handle(const v1::Request& request) {
@@ -298,6 +318,9 @@ void Run::fill_status(v1::Status& status) const {
   status.set_tracks_lost(engine_.counts().tracks_lost);
   status.set_tracks_dropped(engine_.counts().tracks_dropped);
   status.set_filter_failures(engine_.counts().filter_failures);
+  if (scans() == 0) return;
+  status.set_cost(weighted_cost(engine_.tracks()));
+  if (const auto& relaxed = engine_.last().decision.relaxed) status.set_reference(relaxed->reference);
 }
 
 void Run::fill_policies(v1::PolicyList& list) const {

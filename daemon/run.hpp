@@ -2,6 +2,7 @@
 
 #include <deque>
 #include <functional>
+#include <map>
 #include <string>
 #include <unordered_map>
 
@@ -38,8 +39,12 @@ class Run {
   bool stop_requested() const { return !stop_reason_.empty(); }
   const std::string& stop_reason() const { return stop_reason_; }
   std::uint64_t requests_refused() const { return requests_refused_; }
-  /// From now on requests that would change the run are refused: it repeats a journal.
-  void set_replaying() { replaying_ = true; }
+  /// From now on requests that would change the run are refused: it repeats a journal, in which these value sets were
+  /// late at these scans.
+  void set_replaying(std::map<std::uint64_t, std::vector<std::uint64_t>> late_values = {}) {
+    replaying_ = true;
+    late_values_ = std::move(late_values);
+  }
   /// What `handle` asks for the wall-clock part of a status; by default there is none.
   void set_wall_clock(std::function<v1::WallClock()> wall_clock) { wall_clock_ = std::move(wall_clock); }
 
@@ -59,6 +64,9 @@ class Run {
   void remember(const v1::Request& request, const v1::Reply& reply);
   void query(const v1::Request& request, v1::Accepted& accepted) const;
 
+  void expect_late_values();
+  void record_late_values();
+
   void fill_status(v1::Status& status) const;
   void fill_policies(v1::PolicyList& list) const;
   void fill_radars(v1::RadarList& list) const;
@@ -72,6 +80,7 @@ class Run {
   bool paused_ = false;
   bool ending_ = false;
   bool replaying_ = false;
+  std::map<std::uint64_t, std::vector<std::uint64_t>> late_values_;  // of the journal that is repeated
   std::uint64_t steps_ = 0;
   std::string stop_reason_;
   std::uint64_t requests_refused_ = 0;

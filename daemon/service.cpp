@@ -40,7 +40,7 @@ Service::Service(Run& run, Publisher& publisher, ControlSocket& control, int sig
       next_scan_(started_),
       next_status_(started_) {
   durations_us_.reserve(kDurations);
-  if (options_.replaying) run_.set_replaying();
+  if (options_.replaying) run_.set_replaying(options_.replay_late_values);
   if (!options_.fast) run_.set_wall_clock([this] { return wall_clock(); });
 }
 

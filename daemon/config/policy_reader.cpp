@@ -71,6 +71,17 @@ PolicySettings read(FieldReader in, LookAheadSettings settings, int /*sensors*/)
   return settings;
 }
 
+PolicySettings read(FieldReader in, OrbitSettings settings, int /*sensors*/) {
+  in.number("discount", within(0.5, 0.9999), 1.0, settings.discount);
+  in.integer("steps", 2, 2000, settings.steps);
+  return settings;
+}
+
+PolicySettings read(FieldReader in, IndexSettings settings, int /*sensors*/) {
+  in.integer("depth", 1, Index::kMostDepth, settings.depth);
+  return settings;
+}
+
 /// One row for each policy: the field of dwell.v1.Policy, what it does, and how its message is read.
 struct Row {
   const char* field;
@@ -97,6 +108,8 @@ constexpr Row kRows[] = {
     {"beam", "the best schedule of a beam: the one for many tracks", read_row<BeamSettings>},
     {"optimum", "the best schedule of the horizon, by branch and bound", read_row<OptimumSettings>},
     {"lookahead", "the least expected cost when later looks follow what is measured", read_row<LookAheadSettings>},
+    {"orbit", "the largest price at which a track would be looked at now", read_row<OrbitSettings>},
+    {"index", "the largest gain now and later, less the price of a look", read_row<IndexSettings>},
 };
 
 }  // namespace

@@ -7,6 +7,8 @@
 
 #include <boost/math/distributions/students_t.hpp>
 
+#include "bandit/value_table.hpp"
+
 namespace dwell {
 namespace {
 
@@ -88,6 +90,7 @@ Study run_study(const EngineConfig& config, const std::vector<NamedPolicy>& poli
   const auto runs = static_cast<std::size_t>(options.runs);
   std::vector<RunsOfPolicy> results(policies.size(), RunsOfPolicy(runs));
   std::vector<char> done(runs, 0);
+  const auto value_table = std::make_shared<ValueTable>();  // one for all runs
   std::atomic<std::size_t> next{0};
   std::mutex mutex;
   int finished = 0;
@@ -96,6 +99,7 @@ Study run_study(const EngineConfig& config, const std::vector<NamedPolicy>& poli
     for (std::size_t run = next++; run < runs && !stop; run = next++) {
       EngineConfig of_run = config;
       of_run.seed = options.seed + run;
+      of_run.value_table = value_table;
       for (std::size_t p = 0; p < policies.size(); ++p) {
         of_run.policy = policies[p].settings;
         results[p][run] = run_and_measure(of_run, options.scans, options.window);

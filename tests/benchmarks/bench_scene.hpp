@@ -17,7 +17,10 @@ inline EngineConfig scene(int radars, int targets) {
     figures.range_noise_floor_m = 15.0 * (i + 1);
     figures.azimuth_noise_floor_rad = 0.05 * (i + 1) * kDegree;
     figures.detection = FixedDetection{0.9};
-    config.sensors.push_back({"radar" + std::to_string(i + 1), figures, 0.0, true});
+    SensorConfig sensor;
+    sensor.name = "radar" + std::to_string(i + 1);
+    sensor.figures = figures;
+    config.sensors.push_back(sensor);
   }
   RandomStream place(7);
   for (int i = 0; i < targets; ++i) {

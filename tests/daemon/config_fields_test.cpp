@@ -2,6 +2,7 @@
 #include <cmath>
 #include <set>
 
+#include "bandit/value_table.hpp"
 #include "daemon/config/policy_reader.hpp"
 #include "tests/daemon/support.hpp"
 
@@ -238,6 +239,12 @@ const std::vector<Row> kRows{
    "must be a whole number from 1 to 8", {"0", "9"}, {"1", "8"}},
   {"LookAhead.depth", top("policy { lookahead { depth: @ } }"), "policy.lookahead.depth",
    "must be a whole number from 1 to 3", {"0", "4"}, {"1", "3"}},
+  {"TrackOrbit.discount", top("policy { orbit { discount: @ } }"), "policy.orbit.discount", "must be in [0.5, 0.9999]",
+   not_finite_and({"0.49", "1"}), {"0.5", "0.98", "0.9999"}},
+  {"TrackOrbit.steps", top("policy { orbit { steps: @ } }"), "policy.orbit.steps",
+   "must be a whole number from 2 to 2000", {"1", "2001", "4294967295"}, {"2", "2000"}},
+  {"TrackIndex.depth", top("policy { index { depth: @ } }"), "policy.index.depth",
+   "must be a whole number from 1 to 2", {"0", "3", "4294967295"}, {"1", "2"}},
   {"SaImm.nodes", top("policy { sa_imm { nodes: @ } }"), "policy.sa_imm.nodes", "must be a whole number from 2 to 32",
    {"0", "1", "33", "4294967295"}, {"2", "32"}},
   {"Stream.high_water_mark", top("stream { high_water_mark: @ }"), "stream.high_water_mark",
@@ -309,6 +316,7 @@ void expect_finite(const google::protobuf::Message& message) {
 }
 
 TEST(ConfigFields, WhatIsAcceptedRunsUnderEveryPolicyAndPublishesFiniteNumbers) {
+  const auto table = std::make_shared<ValueTable>();  // of all runs: what each asks for is much the same
   for (const Row& row : kRows) {
     const bool has_policy = row.path.rfind("policy.", 0) == 0;
     for (const std::string& value : row.good) {
@@ -316,7 +324,9 @@ TEST(ConfigFields, WhatIsAcceptedRunsUnderEveryPolicyAndPublishesFiniteNumbers) 
         SCOPED_TRACE(row.field + ": " + value + (has_policy ? "" : " under " + policy.name));
         const std::string text = with(row, value) + (has_policy ? "" : "policy { " + policy.name + " {} }\n");
         ASSERT_EQ(refusal_of(text), "");
-        RecordedRun recorded(config_of(text));
+        DaemonConfig config = config_of(text);
+        config.engine.value_table = table;
+        RecordedRun recorded(config);
         recorded.scan(8);
         for (const v1::Envelope& envelope : recorded.stream.envelopes) expect_finite(envelope);
         if (has_policy) break;

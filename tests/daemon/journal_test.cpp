@@ -2,8 +2,11 @@
 
 #include <gmock/gmock.h>
 
+#include <chrono>
 #include <system_error>
+#include <thread>
 
+#include "bandit/value_table.hpp"
 #include "tests/daemon/support.hpp"
 
 namespace dwell::testing {
@@ -188,6 +191,40 @@ TEST_F(JournalTest, ReplayPublishesTheSameBytes) {
   again.run.publish_end("done");
   EXPECT_TRUE(again.stream.bytes == recorded.stream.bytes);
   EXPECT_FALSE(again.stream.bytes.empty());
+}
+
+/// Value sets that a thread builds beside the scans, some of them too late: the journal says which.
+TEST_F(JournalTest, ReplayRepeatsWhichValueSetsWereLate) {
+  DaemonConfig config = config_of(kBusy);
+  config.engine.policy = IndexSettings{};
+  config.engine.value_table = std::make_shared<ValueTable>(ValueTable::OnDue::kGoOn);
+  JournalWriter writer(file_, header());
+  RecordedRun recorded(config, &writer);
+  recorded.scan(15);  // nobody builds
+  std::thread builder([&] {
+    while (config.engine.value_table->build_next()) {
+    }
+  });
+  bool answered = false;
+  for (int scan = 0; scan < 2000 && !answered; ++scan) {
+    recorded.scan(1);
+    answered = recorded.run.engine().last().decision.relaxed.has_value();
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  EXPECT_TRUE(answered);
+  recorded.scan(50);
+  recorded.run.publish_end("done");
+  config.engine.value_table->stop();
+  builder.join();
+
+  const Journal journal = read_journal(file_);
+  EXPECT_GE(journal.late_values.size(), 2U);
+  config.engine.value_table = nullptr;
+  RecordedRun again(config);
+  again.run.set_replaying(journal.late_values);
+  again.scan(static_cast<int>(journal.end->scan()));
+  again.run.publish_end("done");
+  EXPECT_TRUE(again.stream.bytes == recorded.stream.bytes);
 }
 
 TEST_F(JournalTest, ReplayRefusesCommandsThatWouldChangeIt) {

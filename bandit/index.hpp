@@ -1,0 +1,102 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "bandit/orbit.hpp"
+#include "bandit/value_table.hpp"
+
+namespace dwell {
+
+struct IndexSettings {
+  int depth = 2;  ///< 1: the advantage at the price; 2: two scans ahead, closed by the priced values
+};
+
+/// The Lagrangian index: what a look gains now and later, less what it costs elsewhere.
+///
+/// The scans' looks are relaxed to so many on average, at a price. A track is then a problem of its own (TrackPath),
+/// its priced value V taken from a table of targets like it (BucketKey), and
+///
+///   A(s)       = cost(P) + V(P') - E [ cost(M) + V(M') ] - price - gamma_s          depth 1; ' is the next scan
+///   score(s)   = the same with the best looks of the next scan in place of none,    depth 2
+///                over what this look may see
+///
+/// Depth 2 is worked out for the eight best pairs by A, and the next scan's looks go to their tracks; the other pairs
+/// keep their A, lowered so that they stay behind.
+///
+/// The price is that at which the tracks' sets would be looked at `looks` times a scan in all, each rate taken to
+/// change with the fourth root of the price (what a position-velocity target's does when looks are rare),
+///   price = correction (sum_i rate_i price_i^1/4 / looks)^4,    rate_i at price_i from the set,
+/// where the correction rises by up to 3 % in a scan whose last look by A is worth more than it costs, and falls where
+/// it is worth less: sets know nothing of how manoeuvres come and go. Before there is any set the price is the best
+/// orbit index.
+///
+/// The sets about a track's place on the grid (BucketKey) are asked for when it comes into a new cell and due `kDelay`
+/// scans later; where one is late it is asked for again. Until then the track keeps the sets of the cell before. While
+/// a track has none at all every pair is scored by its orbit index, and the decision says so.
+/// Several looks of a scan go by their scores; prices of single radars are not worked out.
+/// Source   bandit/restless/README.md; Brown, Smith (2020) for Lagrangian indices; depth 2, grid and price: ours.
+class Index final : public Policy {
+ public:
+  static constexpr int kDelay = 4;
+  static constexpr std::size_t kFinalists = 8;
+  static constexpr int kMostDepth = 2;
+
+  explicit Index(const IndexSettings& settings);
+
+  std::string_view name() const override { return "index"; }
+  void decide(const Situation& situation, Decision& decision) override;
+
+ private:
+  /// The sets about a place on the grid.
+  struct Cell {
+    BucketKey lowest;
+    std::array<SharedBucket, kCorners> sets;
+  };
+  /// What is kept of a track from scan to scan.
+  struct Held {
+    TrackId track;
+    Cell cell;
+    bool has_cell = false;
+    BucketKey asked;
+    int due = 0;  // scan; 0: nothing is asked for
+  };
+  struct Placed {
+    BucketPlace place;
+    std::array<double, kCorners> weights{};
+    const Cell* cell = nullptr;  // null: none yet
+  };
+
+  void score(const Situation& situation, std::span<Candidate> candidates) override;
+  void follow_tracks(const Situation& situation);
+  void take_sets(const Situation& situation, ValueTable& table);
+  void take_due(Held& held, ValueTable& table);
+  void find_price(const Situation& situation);
+  void correct_price(const Situation& situation, std::span<const Candidate> candidates);
+  bool all_have_sets(std::span<const Candidate> candidates) const;
+  void score_advantages(const Situation& situation, std::span<Candidate> candidates);
+  void look_ahead(const Situation& situation, std::span<Candidate> candidates);
+
+  double cost(std::size_t track, const StateMatrix& p) const;
+  double value(std::size_t track, const StateMatrix& p) const;
+  double best_gain(std::size_t track, TrackPath& path, const StateMatrix& predicted) const;
+  double gain_of_two(const Candidate& candidate, double next_if_idle, double best_of_others);
+
+  int depth_;
+  int scan_ = 0;
+  double price_ = 0.0;
+  double correction_ = 1.0;  // of the price
+  double reference_ = 0.0;
+  bool by_orbit_ = false;
+  OrbitIndex orbit_;
+  ValueTable own_table_;
+  const Situation* situation_ = nullptr;
+  std::vector<Held> held_, before_;
+  std::vector<Placed> placed_;    // of each track
+  std::vector<TrackPath> paths_;  // of each track
+  std::vector<std::size_t> finalists_;
+  std::vector<double> next_gain_;  // of each finalist's track, in the next scan where nobody looks now
+  std::vector<double> ranked_;
+};
+
+}  // namespace dwell

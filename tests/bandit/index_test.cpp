@@ -1,0 +1,176 @@
+#include "bandit/index.hpp"
+
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <Eigen/Geometry>
+
+#include "tests/bandit/scene.hpp"
+
+namespace dwell::testing {
+namespace {
+
+/// A sensor of position with the given axes, tracks of constant velocity that differ in their covariances.
+Scene two_axes_scene() {
+  Scene scene;
+  const auto sensor = [&](double large, double small, double p_detect) {
+    const Matrix2 r = Vector2(large, small).asDiagonal();
+    scene.add_sensor(std::make_shared<LinearSensor>(position_selector(), r, p_detect));
+  };
+  sensor(100.0, 3.0, 1.0);
+  sensor(20.0, 800.0, 0.9);
+  RandomStream stream(11);
+  for (std::uint32_t number = 1; number <= 5; ++number) {
+    StateMatrix p = StateMatrix::Zero();
+    for (int i = 0; i < kStateSize; ++i) p(i, i) = std::exp(stream.uniform(0.0, 4.0));
+    scene.add_track(number, make_estimate({State::Zero(), p}, Eigen::VectorXd::Ones(1)));
+  }
+  scene.bank = plain_bank(1);
+  return scene;
+}
+
+/// Decisions until the first that the index makes itself.
+int decisions_to_answer(Index& index, Scene& scene, Decision& decision) {
+  for (int made = 1; made <= 50; ++made) {
+    index.decide(scene.situation(), decision);
+    if (!decision.fell_back) return made;
+    EXPECT_EQ(decision.answered_by, "orbit");
+    EXPECT_FALSE(decision.relaxed);
+  }
+  return 0;
+}
+
+/// Asked for in the first decision, when the orbit index gives the first price, and used kDelay decisions later.
+TEST(Index, AnswersItselfAFixedNumberOfDecisionsAfterItAsked) {
+  Scene scene = two_axes_scene();
+  Index index(IndexSettings{});
+  Decision decision;
+  EXPECT_EQ(decisions_to_answer(index, scene, decision), 2 + Index::kDelay);
+  ASSERT_TRUE(decision.relaxed);
+  EXPECT_GT(decision.relaxed->price, 0.0);
+  EXPECT_GT(decision.relaxed->reference, 0.0);
+}
+
+TEST(Index, ScoresAreTheSumOfTheirParts) {
+  for (const int depth : {1, 2}) {
+    Scene scene = random_scene(5, 2);
+    Index index(IndexSettings{depth});
+    Decision decision;
+    ASSERT_GT(decisions_to_answer(index, scene, decision), 0);
+    for (const Candidate& candidate : decision.candidates) {
+      ASSERT_TRUE(candidate.parts);
+      const double sum = candidate.parts->gain_now + candidate.parts->value_later - candidate.parts->price;
+      EXPECT_NEAR(candidate.score, sum, 1e-9 * (std::abs(candidate.parts->gain_now) + candidate.parts->price));
+    }
+  }
+}
+
+/// Without a builder nothing that is due is there: orbits answer, and every set is noted as late.
+TEST(Index, GoesOnByOrbitsWhileItsSetsAreLate) {
+  Scene scene = two_axes_scene();
+  ValueTable table(ValueTable::OnDue::kGoOn);
+  Situation situation = scene.situation();
+  situation.value_table = &table;
+  Index index(IndexSettings{});
+  Decision decision;
+  for (int scan = 0; scan < 3 * Index::kDelay; ++scan) {
+    index.decide(situation, decision);
+    EXPECT_TRUE(decision.fell_back);
+  }
+  EXPECT_FALSE(table.take_late().empty());
+  EXPECT_TRUE(table.take_late().empty());
+}
+
+/// What was late in one run is late in its repetition: the same decisions.
+TEST(Index, DecidesTheSameWhereTheSameSetsAreLate) {
+  constexpr int kScans = 40;
+  Scene scene = two_axes_scene();
+  Situation situation = scene.situation();
+  std::vector<std::vector<std::uint64_t>> late;
+  std::vector<double> scores;
+  {
+    ValueTable table(ValueTable::OnDue::kGoOn);
+    std::thread builder([&] {
+      while (table.build_next()) {
+      }
+    });
+    situation.value_table = &table;
+    Index index(IndexSettings{});
+    Decision decision;
+    for (int scan = 0; scan < kScans; ++scan) {
+      index.decide(situation, decision);
+      scores.push_back(decision.candidates[decision.chosen[0]].score);
+      late.push_back(table.take_late());
+      std::this_thread::sleep_for(std::chrono::milliseconds(scan % 5));
+    }
+    table.stop();
+    builder.join();
+  }
+  ValueTable table;
+  situation.value_table = &table;
+  Index index(IndexSettings{});
+  Decision decision;
+  for (std::size_t scan = 0; scan < kScans; ++scan) {
+    table.expect_late(late[scan]);
+    index.decide(situation, decision);
+    EXPECT_EQ(decision.candidates[decision.chosen[0]].score, scores[scan]) << scan;
+  }
+}
+
+TEST(ValueBucket, PlacesAreInterpolatedBetweenTheCornersOfTheirCell) {
+  BucketPlace place;
+  place.q = -3.75;
+  place.price = 4.5;
+  BucketKey lowest;
+  lowest.q = -4;
+  lowest.price = 4;
+  EXPECT_EQ(corner_weights(lowest, place), (std::array{0.375, 0.125, 0.375, 0.125}));
+  lowest.q = -2;
+  EXPECT_EQ(corner_weights(lowest, place), (std::array{0.5, 0.0, 0.5, 0.0}));
+  EXPECT_EQ(corner_of(lowest, 3).q, -1);
+  EXPECT_EQ(corner_of(lowest, 3).price, 5);
+}
+
+TEST(ValueBucket, KeysAreNumbers) {
+  BucketKey key;
+  EXPECT_NE(key.packed(), 0U);
+  for (const int q : {-100, -1, 0, 1, 101}) {
+    for (const int price : {-100, 0, 101}) {
+      key = {static_cast<std::int8_t>(q), static_cast<std::int8_t>(price), -7, BucketKey::kAlone, -3, 2};
+      EXPECT_EQ(BucketKey::unpacked(key.packed()), key);
+    }
+  }
+}
+
+TEST(ValueTable, GivesEveryThreadTheSameSet) {
+  ValueTable table;
+  BucketKey key;
+  key.price = 3;
+  SharedBucket seen;
+  std::thread reader([&] { seen = table.due(key); });
+  const SharedBucket mine = table.due(key);
+  reader.join();
+  EXPECT_EQ(seen, mine);
+  EXPECT_EQ(table.due(key), mine);
+}
+
+TEST(ValueTable, WhatIsNotBuiltIsLate) {
+  ValueTable table(ValueTable::OnDue::kGoOn);
+  BucketKey key;
+  key.price = 3;
+  table.ask(key);
+  table.ask(key);
+  EXPECT_EQ(table.due(key), nullptr);
+  EXPECT_EQ(table.take_late(), std::vector{key.packed()});
+  EXPECT_TRUE(table.build_next());
+  EXPECT_NE(table.due(key), nullptr);
+  EXPECT_TRUE(table.take_late().empty());
+  table.stop();
+  EXPECT_FALSE(table.build_next());  // asked for twice, built once
+}
+
+}  // namespace
+}  // namespace dwell::testing
