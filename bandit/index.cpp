@@ -17,7 +17,7 @@ constexpr int kLongestWait = 16;
 constexpr double kRateExponent = 0.25;
 /// Most that the price's correction moves in a scan, relative, and in all, either way.
 constexpr double kCorrectionStep = 0.03;
-constexpr double kMostCorrection = 4.0;
+constexpr double kMostCorrection = 100.0;
 constexpr double kNone = -std::numeric_limits<double>::infinity();
 
 }  // namespace

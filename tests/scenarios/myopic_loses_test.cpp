@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "daemon/config/config_reader.hpp"
+#include "daemon/encode.hpp"
 #include "tests/scale.hpp"
 #include "tests/scenarios/monte_carlo.hpp"
 
@@ -259,6 +260,29 @@ TEST(MyopicLoses, WithPdUnknownToItItIsWorseThanTurnsAndKnowingItBetter) {
   expect_below_in_most_runs(turns.squared_error, certain.squared_error);  // ten scans without a plot, or sixty
   expect_below(knowing.squared_error, turns.squared_error);
   expect_below(beam.squared_error, turns.squared_error);
+}
+
+/// Of unequal importance and seldom looked at: what a look saves later counts. One mode, every look seen: the
+/// covariances do not depend on what is measured, one run is all.
+TEST(MyopicLoses, AmongUnequalTargetsAPriceIsBetterThanOneStep) {
+  const auto mean_cost = [](const PolicySettings& policy) {
+    Engine engine(scenario("unequal_eight", policy));
+    double sum = 0.0;
+    int scans = 0;
+    while (engine.last().scan < 600) {
+      const ScanReport& report = engine.scan();
+      if (report.scan <= 100) continue;
+      ++scans;
+      sum += weighted_cost(engine.tracks());
+    }
+    return sum / scans;
+  };
+  const double one_step = mean_cost(SaImmSettings{});
+  const double orbit = mean_cost(OrbitSettings{});
+  const double index = mean_cost(IndexSettings{1});
+  std::printf("  sa_imm %.0f, orbit %.0f, index of depth 1 %.0f m^2\n", one_step, orbit, index);
+  EXPECT_LT(orbit, 0.97 * one_step);
+  EXPECT_LT(index, 0.97 * one_step);
 }
 
 }  // namespace
