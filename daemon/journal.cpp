@@ -119,6 +119,8 @@ Journal read_journal(const std::filesystem::path& file) {
       const bool ordered = journal.requests.empty() || journal.requests.back().scan() <= record.request().scan();
       if (!ordered) refuse("request.scan", std::to_string(record.request().scan()), "must not go back");
       journal.requests.push_back(std::move(*record.mutable_request()));
+    } else if (record.has_late_calibration()) {
+      journal.late_calibrations.insert(record.late_calibration().scan());
     } else if (record.has_end()) {
       journal.end = record.end();
     }

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -31,8 +32,9 @@ class JournalWriter {
 /// A journal that was read whole.
 struct Journal {
   v1::JournalHeader header;
-  std::vector<v1::JournalRequest> requests;  ///< in order of their scans
-  std::optional<v1::JournalEnd> end;         ///< empty where the run was cut off
+  std::vector<v1::JournalRequest> requests;   ///< in order of their scans
+  std::set<std::uint64_t> late_calibrations;  ///< scans
+  std::optional<v1::JournalEnd> end;          ///< empty where the run was cut off
 };
 
 /// Errors   InvalidInput: unreadable, no header, another version, a record that is damaged, cut off or out of place

@@ -2,9 +2,11 @@
 
 #include <deque>
 #include <functional>
+#include <set>
 #include <string>
 #include <unordered_map>
 
+#include "daemon/calibration_loop.hpp"
 #include "daemon/config/config_reader.hpp"
 #include "daemon/engine.hpp"
 #include "daemon/journal.hpp"
@@ -39,7 +41,13 @@ class Run {
   const std::string& stop_reason() const { return stop_reason_; }
   std::uint64_t requests_refused() const { return requests_refused_; }
   /// From now on requests that would change the run are refused: it repeats a journal.
-  void set_replaying() { replaying_ = true; }
+  /// `late`: the scans at which a solve was not there when it was due.
+  void set_replaying(std::set<std::uint64_t> late = {}) {
+    replaying_ = true;
+    late_calibrations_ = std::move(late);
+  }
+  /// A scan does not wait for a solve; by default it does.
+  void set_real_time() { calibration_.set_waits(false); }
   /// What `handle` asks for the wall-clock part of a status; by default there is none.
   void set_wall_clock(std::function<v1::WallClock()> wall_clock) { wall_clock_ = std::move(wall_clock); }
 
@@ -53,6 +61,9 @@ class Run {
   v1::Reply command(const v1::Request& request);
   void set_policy(const v1::Request& request, v1::Reply& reply);
   void set_radar(const v1::Request& request, v1::Reply& reply);
+  void calibrate(const v1::Request& request, v1::Reply& reply);
+  void take_calibration();
+  void publish_calibration();
   void pause(const v1::Request& request, v1::Reply& reply);
   void step(const v1::Step& step, v1::Reply& reply);
   bool record(const v1::Request& request, v1::Reply& reply);
@@ -65,6 +76,8 @@ class Run {
   void fill_snapshot(v1::Snapshot& snapshot) const;
 
   Engine engine_;
+  CalibrationLoop calibration_;
+  std::set<std::uint64_t> late_calibrations_;
   Stream stream_;
   JournalWriter* journal_;
   v1::Policy policy_;

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "daemon/run.hpp"
@@ -10,10 +11,11 @@
 namespace dwell {
 
 struct ServiceOptions {
-  bool fast = false;                       ///< no wall clock: scans as fast as they come, statuses by stream time
-  std::optional<std::uint64_t> scans;      ///< end after so many
-  int wait_subscribers = 0;                ///< before the first scan
-  std::vector<v1::JournalRequest> replay;  ///< to apply before their scans
+  bool fast = false;                          ///< no wall clock: scans as fast as they come, statuses by stream time
+  std::optional<std::uint64_t> scans;         ///< end after so many
+  int wait_subscribers = 0;                   ///< before the first scan
+  std::vector<v1::JournalRequest> replay;     ///< to apply before their scans
+  std::set<std::uint64_t> late_calibrations;  ///< of the journal
   bool replaying = false;
   std::string end_reason = "all scans done";  ///< after `scans`
 };
