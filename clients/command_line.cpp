@@ -95,6 +95,8 @@ void add_verbs(CLI::App& app, CommandLine& line, Values& values) {
       ->add_option("N", values.scans, "How many")
       ->check(CLI::Range(1u, 1'000'000u))
       ->capture_default_str();
+  add_verb(app, "calibrate", "Solve for trajectories, noise and biases jointly now; show what is known", line,
+           Verb::kCalibrate, [](v1::Request& request) { request.mutable_calibrate(); });
   add_verb(app, "stop", "End the run and the daemon", line, Verb::kStop,
            [](v1::Request& request) { request.mutable_stop(); });
 }

@@ -22,6 +22,7 @@ enum class Verb {
   kRadarDown,
   kRadarUp,
   kSnapshot,
+  kCalibrate,
   kStop
 };
 

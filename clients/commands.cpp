@@ -67,6 +67,12 @@ Lines answer_lines(const CommandLine& line, const v1::Accepted& accepted, const 
       return {{policy_text(accepted.policy())}};
     case Verb::kPolicySet:
       return policy_set_lines(accepted, line, before);
+    case Verb::kCalibrate: {
+      require(accepted.has_radar_list());
+      Lines lines = format_calibration(accepted.radar_list(), page);
+      lines.push_back({fmt::format("a solve has begun; it takes effect at scan {}", accepted.effective_scan())});
+      return lines;
+    }
     case Verb::kRadarList:
       require(accepted.has_radar_list());
       return format_radars(accepted.radar_list(), page);

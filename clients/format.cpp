@@ -178,14 +178,50 @@ Lines format_radars(const v1::RadarList& radars, const Page& page) {
                {"N km", true, 1}});
   for (const v1::RadarState& radar : radars.radar()) {
     const double share = static_cast<double>(radar.detections()) / static_cast<double>(radar.looks());
+    const bool good = radar.calibration().fault() == v1::RadarCalibration::NONE;
+    const std::string fault =
+        good ? "" : ", " + lower(v1::RadarCalibration::Fault_Name(radar.calibration().fault())) + " fault";
     table.add(
-        {fmt::format("{}", radar.number()), printable(radar.name()), radar.up() ? "up" : "down",
+        {fmt::format("{}", radar.number()), printable(radar.name()), (radar.up() ? "up" : "down") + fault,
          fmt::format("{}", radar.looks()), fmt::format("{}", radar.detections()),
          radar.looks() > 0 ? fixed(100 * share, 1) + " %" : "-", budget_text(radar),
          radar.has_x_m() ? fixed(radar.x_m() / 1e3, 3) : "-", radar.has_y_m() ? fixed(radar.y_m() / 1e3, 3) : "-"},
-        radar.up() ? Mark::kPlain : Mark::kWarning);
+        radar.up() && good ? Mark::kPlain : Mark::kWarning);
   }
   return table.lines(page, "radars");
+}
+
+Lines format_calibration(const v1::RadarList& radars, const Page& page) {
+  Table table({{"radar", false, 0},
+               {"parameter", false, 0},
+               {"value", true, 0},
+               {"sigma", true, 0},
+               {"observable", false, 1},
+               {"NIS", true, 2},
+               {"P_d x", true, 2},
+               {"fault", false, 3}});
+  for (const v1::RadarState& radar : radars.radar()) {
+    if (!radar.has_calibration()) continue;
+    const v1::RadarCalibration& known = radar.calibration();
+    const bool good = known.fault() == v1::RadarCalibration::NONE;
+    const Mark mark = good ? Mark::kPlain : Mark::kAlarm;
+    std::string name = printable(radar.name());
+    std::string nis = known.has_nis_after() ? fixed(known.nis_before(), 2) + " -> " + fixed(known.nis_after(), 2) : "-";
+    std::string detection = fixed(known.detection_scale(), 2);
+    std::string fault = good ? "-" : lower(v1::RadarCalibration::Fault_Name(known.fault()));
+    if (known.parameter().empty()) {
+      const std::string why = known.failure().empty() ? "no solve yet" : printable(known.failure());
+      table.add({name, why, "-", "-", "-", nis, detection, fault}, mark);
+    }
+    for (const v1::CalibrationParameter& p : known.parameter()) {
+      const std::string seen = p.observable() ? "yes" : p.difference_observable().empty() ? "no" : "differences only";
+      table.add(
+          {name, printable(p.name()), general(p.value()), general(p.standard_error()), seen, nis, detection, fault},
+          mark);
+      name = nis = detection = fault = "";  // stand once, in the radar's first row
+    }
+  }
+  return table.lines(page, "parameters");
 }
 
 Lines format_snapshot(const v1::Snapshot& snapshot, const Page& page) {

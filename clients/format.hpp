@@ -19,6 +19,8 @@ std::string headline(const v1::Status& status, std::int64_t time_ns);
 Lines format_status(const v1::Status& status);
 Lines format_policies(const v1::PolicyList& policies, const Page& page);
 Lines format_radars(const v1::RadarList& radars, const Page& page);
+/// One row a parameter: value, standard error, and what is not observable.
+Lines format_calibration(const v1::RadarList& radars, const Page& page);
 Lines format_snapshot(const v1::Snapshot& snapshot, const Page& page);
 
 /// The reason, and each violation on a line of its own: field, value, rule.

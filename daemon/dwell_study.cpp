@@ -43,6 +43,8 @@ void add_options(CLI::App& app, Flags& flags) {
       ->check(whole_number(1, 256));
   app.add_option("--from-s", request.window.first_s, "figures of a scenario count from this stream time on");
   app.add_option("--to-s", request.window.last_s, "and up to this one");
+  app.add_option("--calibrate", request.calibrate, "what calibration knows of a scenario's radars, against their truth")
+      ->check(CLI::IsMember({"joint", "innovations"}));
   app.add_option("--format", flags.format, "what is printed")->check(CLI::IsMember({"table", "json", "csv"}));
   app.add_option("--out", flags.out, "directory for results.json, results.csv, the config and the plots");
 }

@@ -86,7 +86,7 @@ Plan plan_replay(const Flags& flags) {
   plan.options.fast = true;
   plan.options.replaying = true;
   plan.options.replay = std::move(journal.requests);
-  plan.options.replay_late_values = std::move(journal.late_values);
+  plan.options.late = std::move(journal.late);
   plan.options.scans = flags.scans;
   if (!flags.scans && journal.end) plan.options.scans = journal.end->scan();
   if (journal.end && plan.options.scans == journal.end->scan()) plan.options.end_reason = journal.end->reason();

@@ -1,5 +1,8 @@
 #include "daemon/encode.hpp"
 
+#include <array>
+#include <cmath>
+
 #include "tracker/metrics/nees.hpp"
 
 namespace dwell {
@@ -25,6 +28,40 @@ void encode(const TruthReport& truth, const Track& track, v1::Truth& message) {
   message.set_altitude_m(truth.altitude_m);
   message.set_position_error_m((position(truth.state) - position(track.combined.mean)).norm());
   message.set_nees(nees(truth.state, track.combined));
+}
+
+/// A correction in the units of the wire.
+std::array<double, kCorrectionSize> in_words(const Correction& correction) {
+  return {std::exp(correction.log_range_scale), std::exp(correction.log_azimuth_scale), correction.range_bias_m,
+          correction.azimuth_bias_rad / kDegree, correction.time_bias_s};
+}
+
+constexpr std::array<const char*, kCorrectionSize> kParameters{"range_noise_scale", "azimuth_noise_scale",
+                                                               "range_bias_m", "azimuth_bias_deg", "time_bias_s"};
+
+void encode(const CalibrationEstimate& estimate, int radar, v1::RadarCalibration& message) {
+  message.set_plots(static_cast<std::uint32_t>(estimate.plots[radar]));
+  if (estimate.plots[radar] > 0) {
+    message.set_nis_before(estimate.nis_before[radar]);
+    message.set_nis_after(estimate.nis_after[radar]);
+  }
+  const auto values = in_words(estimate.correction(radar));
+  for (int k = 0; k < kCorrectionSize; ++k) {
+    const auto kind = static_cast<CorrectionKind>(k);
+    v1::CalibrationParameter& parameter = *message.add_parameter();
+    parameter.set_name(kParameters[k]);
+    parameter.set_value(values[k]);
+    const double unit = kind == CorrectionKind::kAzimuthBias ? kDegree : 1.0;
+    parameter.set_standard_error(estimate.standard_error(radar, kind) / unit);
+    parameter.set_prior_share(estimate.prior_share(radar, kind));
+    parameter.set_observable(estimate.observable(radar, kind));
+    if (estimate.observable(radar, kind)) continue;
+    for (int other = 0; other < estimate.radars(); ++other) {
+      if (other != radar && estimate.difference_observable(radar, other, kind)) {
+        parameter.add_difference_observable(number_of(static_cast<std::size_t>(other)));
+      }
+    }
+  }
 }
 
 }  // namespace
@@ -120,6 +157,35 @@ void encode(const ScanReport& report, const LookReport& look, std::size_t plot, 
   message.set_false_alarm(!detection.source.has_value());
 }
 
+bool encode_calibration(const Engine& engine, std::size_t sensor, v1::RadarCalibration& message) {
+  message.Clear();
+  const Calibrator& calibrator = engine.calibrator();
+  const RadarCalibration* radar = calibrator.on() ? calibrator.radar(sensor) : nullptr;
+  if (radar == nullptr) return false;
+  message.set_radar(number_of(sensor));
+  message.set_name(engine.config().sensors[sensor].name);
+  message.set_detection_scale(radar->detection.scale());
+  message.set_detection_looks(radar->detection.looks());
+  const double configured = std::get<RadarFigures>(engine.config().sensors[sensor].figures).clutter_density;
+  message.set_clutter_density(radar->clutter.density(configured));
+  message.set_clutter_density_error(radar->clutter.standard_error(configured));
+  message.set_fault(static_cast<v1::RadarCalibration::Fault>(radar->detector.fault()));
+  if (calibrator.applies()) {
+    for (const double value : in_words(radar->applied)) message.add_applied_value(value);
+  }
+  if (!calibrator.last()) return true;
+  const CalibrationEstimate& estimate = calibrator.last()->estimate;
+  message.set_asked_scan(calibrator.last_scan());
+  message.set_effective_scan(calibrator.last_scan() + static_cast<std::uint64_t>(calibrator.settings().delay_scans));
+  message.set_failure(to_string(estimate.status));
+  message.set_rolled_back(calibrator.last()->rolled_back);
+  message.set_joint(calibrator.last()->joint);
+  if (estimate.status != EstimatorStatus::kDone) return true;
+  message.set_applied(calibrator.applies() && !calibrator.last()->rolled_back);
+  encode(estimate, calibrator.radar_index(sensor), message);
+  return true;
+}
+
 void encode_radar(const Engine& engine, std::size_t sensor, v1::RadarState& message) {
   const SensorConfig& config = engine.config().sensors[sensor];
   message.Clear();
@@ -139,6 +205,7 @@ void encode_radar(const Engine& engine, std::size_t sensor, v1::RadarState& mess
     message.set_x_m(figures->position_m.x());
     message.set_y_m(figures->position_m.y());
   }
+  if (!encode_calibration(engine, sensor, *message.mutable_calibration())) message.clear_calibration();
 }
 
 }  // namespace dwell

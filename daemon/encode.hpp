@@ -16,6 +16,8 @@ void encode(const ScanReport& report, std::span<const Track> tracks, v1::ScanRep
 /// Plot `plot` of look `look` of the report.
 void encode(const ScanReport& report, const LookReport& look, std::size_t plot, const Sensor& sensor,
             v1::Plot& message);
+/// False for a sensor that is not calibrated.
+bool encode_calibration(const Engine& engine, std::size_t sensor, v1::RadarCalibration& message);
 void encode_radar(const Engine& engine, std::size_t sensor, v1::RadarState& message);
 
 }  // namespace dwell

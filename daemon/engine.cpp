@@ -21,6 +21,12 @@ DiscreteBank bank_of(const EngineConfig& config) {
   return std::move(*bank);
 }
 
+std::vector<std::unique_ptr<Sensor>> beliefs_of(const EngineConfig& config) {
+  std::vector<std::unique_ptr<Sensor>> beliefs;
+  for (const SensorConfig& sensor : config.sensors) beliefs.push_back(make_sensor(sensor));
+  return beliefs;
+}
+
 /// Room for the plots of a look: every target, and more false alarms than a Poisson count of that mean has once in
 /// 1e20.
 std::size_t most_plots(const Sensor& sensor, const Vector2& half, std::size_t targets) {
@@ -67,11 +73,13 @@ Engine::Engine(const EngineConfig& config)
       root_(config.seed),
       policy_stream_(root_.fork("policy")),
       tracker_(bank_of(config), config.bank.initial_probability, config.tracker),
-      policy_(make_policy(config.policy)) {
+      policy_(make_policy(config.policy)),
+      beliefs_(beliefs_of(config)),
+      calibrator_(config, beliefs_) {
   if (config_.value_table == nullptr) config_.value_table = std::make_shared<ValueTable>();
   for (const SensorConfig& sensor : config_.sensors) {
     sensors_.push_back(make_sensor(sensor));
-    sensor_views_.push_back(sensors_.back().get());
+    sensor_views_.push_back(beliefs_[sensors_.size() - 1].get());
     sensor_streams_.push_back(root_.fork("radar/" + sensor.name));
     usage_cost_.push_back(sensor.usage_cost);
     sensor_states_.push_back({sensor.up, LookBudget(sensor.budget)});
@@ -81,19 +89,21 @@ Engine::Engine(const EngineConfig& config)
            TrackInitiation(config.initiation, sensor.surveillance_scans, to_seconds(config.scan_period))});
     }
   }
+  set_faults();
   std::size_t most = 0;
   const std::size_t targets = config_.targets.size();
-  for (const Sensor* sensor : sensor_views_) {
+  for (const auto& sensor : sensors_) {
     most = std::max(most, most_plots(*sensor, sensor->footprint_half_extent(), targets));
   }
   tracker_.reserve(most);
   look_plots_.reserve(most);
+  others_plots_.reserve(most);
   for (const Surveillance& surveillance : surveillance_) {
     const Sensor& sensor = *sensors_[surveillance.sensor];
     look_plots_.reserve(most_plots(sensor, sensor.coverage()->half, targets));
   }
   report_.plots.reserve(most * static_cast<std::size_t>(config_.looks_per_scan));
-  owed_.reserve(1);
+  owed_.reserve(2);
   counts_.looks.resize(sensors_.size());
   counts_.detections.resize(sensors_.size());
   for (const TargetConfig& target : config_.targets) {
@@ -111,11 +121,13 @@ const ScanReport& Engine::scan() {
   report_.time += config_.scan_period;
   for (SensorState& sensor : sensor_states_) sensor.budget.next_scan();
   drop_lost_tracks();
+  set_faults();
+  calibrator_.move_beliefs(report_.scan);
   advance_truth();
   predict_tracks();
   start_tracks();
   list_feasible_pairs();
-  find_overdue();
+  find_owed();
   choose();
   for (std::size_t look = 0; look < report_.decision.chosen.size(); ++look) execute(report_.decision.pair(look));
   survey();
@@ -199,7 +211,7 @@ std::optional<Gaussian> Engine::first_belief(std::size_t target) {
     simulate_look(*sensors_[i], dwell, std::span(&alone, 1), stream.fork(i), look_plots_);
     for (const Plot& plot : look_plots_) {
       if (!plot.source) continue;
-      if (auto belief = Tracker::belief_from(plot, *sensors_[i], first_plot.speed_sigma_mps)) return belief;
+      if (auto belief = Tracker::belief_from(plot, *beliefs_[i], first_plot.speed_sigma_mps)) return belief;
     }
   }
   return std::nullopt;
@@ -220,7 +232,7 @@ void Engine::list_feasible_pairs() {
     bool covered = false;
     for (std::size_t sensor = 0; sensor < sensors_.size(); ++sensor) {
       const SensorState& state = sensor_states_[sensor];
-      if (!state.up || !sensors_[sensor]->covers(tracks_[track].combined.mean)) continue;
+      if (!state.up || !beliefs_[sensor]->covers(tracks_[track].combined.mean)) continue;
       covered = true;
       if (state.budget.allows()) feasible_.push_back({sensor, track});
     }
@@ -228,9 +240,11 @@ void Engine::list_feasible_pairs() {
   }
 }
 
-/// The feasible track that has waited longest, where that is too long: no policy starves a track.
-void Engine::find_overdue() {
+/// The radar that calibration wants a look of, and the feasible track that has waited longest, where that is too long:
+/// no policy starves a track. The track, where there is one look for both, has its own a scan later.
+void Engine::find_owed() {
   owed_.clear();
+  if (const auto sensor = calibrator_.owed(report_.scan, feasible_)) owed_.push_back({sensor, {}});
   if (config_.max_wait_turns == 0 || feasible_.empty()) return;
   const auto waits = [&](const Pair& pair) { return tracks_[pair.track].unseen_scans; };
   const Pair& oldest = *std::max_element(feasible_.begin(), feasible_.end(),
@@ -260,6 +274,26 @@ void Engine::choose() {
   report_.plots.clear();
 }
 
+/// The truth of each radar as it is now.
+void Engine::set_faults() {
+  for (std::size_t i = 0; i < sensors_.size(); ++i) {
+    auto* radar = dynamic_cast<CorrectedRadar*>(sensors_[i].get());
+    if (radar == nullptr) continue;
+    CorrectionVector correction = to_vector(config_.sensors[i].truth.correction);
+    double detection = config_.sensors[i].truth.detection_scale;
+    double clutter = config_.sensors[i].truth.clutter_scale;
+    for (const RadarFault& fault : config_.sensors[i].faults) {
+      if (report_.time < fault.start || report_.time >= fault.end) continue;
+      correction += to_vector(fault.change.correction);
+      detection *= fault.change.detection_scale;
+      clutter *= fault.change.clutter_scale;
+    }
+    radar->set_correction(to_correction(correction));
+    radar->set_detection_scale(detection);
+    radar->set_clutter_density(clutter * radar->figures().clutter_density);
+  }
+}
+
 /// The chosen sensor looks, and the track the look was made for is updated: the link carries one report.
 void Engine::execute(const Pair& pair) {
   Track& track = tracks_[pair.track];
@@ -270,7 +304,13 @@ void Engine::execute(const Pair& pair) {
   look.plots = look_plots_.size();
   report_.plots.insert(report_.plots.end(), look_plots_.begin(), look_plots_.end());
   compare_with_truth(pair.track);
-  const LookOutcome outcome = tracker_.look(track, *sensors_[pair.sensor], look.dwell, look_plots_, tracks_);
+  if (calibrator_.on()) before_look_ = track.estimate;
+  const LookOutcome outcome = tracker_.look(track, *beliefs_[pair.sensor], look.dwell, look_plots_, tracks_);
+  if (calibrator_.on()) {
+    mark_others_plots(pair, look.dwell.pointing, outcome);
+    calibrator_.add(report_.scan, look.dwell, before_look_, look_plots_, others_plots_, outcome.used_plot,
+                    known_state(pair.track));
+  }
   if (outcome.used_plot) look.used_plot = look.first_plot + *outcome.used_plot;
   sensor_states_[pair.sensor].budget.take();
   ++counts_.looks[pair.sensor];
@@ -303,7 +343,7 @@ void Engine::survey() {
     if (sensor_states_[surveillance.sensor].up) {
       simulate_survey(sensor, dwell, truth_, surveillance.stream, look_plots_);
     }
-    surveillance.initiation.look(tracker_, sensor, dwell, look_plots_, tracks_, found_);
+    surveillance.initiation.look(tracker_, *beliefs_[surveillance.sensor], dwell, look_plots_, tracks_, found_);
     for (Track& track : found_) hand_over(std::move(track));
   }
 }
@@ -331,6 +371,29 @@ void Engine::hand_over(Track track) {
   }
   tracks_.push_back(std::move(track));
   links_.push_back(link);
+}
+
+/// The plots of a look that were not used and may be of another track.
+void Engine::mark_others_plots(const Pair& pair, const State& pointing, const LookOutcome& outcome) {
+  others_plots_.assign(look_plots_.size(), 0);
+  if (look_plots_.size() == (outcome.used_plot ? 1 : 0)) return;
+  const Sensor& sensor = *beliefs_[pair.sensor];
+  const Vector2 near = 2.0 * sensor.footprint_half_extent();  // what is farther off has no plot in the footprint
+  for (std::size_t other = 0; other < tracks_.size(); ++other) {
+    if (other == pair.track || !tracks_[other].alive()) continue;
+    const Vector2 apart = sensor.residual(sensor.measure(tracks_[other].combined.mean), sensor.measure(pointing));
+    if ((apart.cwiseAbs().array() > near.array()).any()) continue;
+    tracker_.mark_gated(tracks_[other], sensor, look_plots_, others_plots_);
+  }
+  if (outcome.used_plot) others_plots_[*outcome.used_plot] = 0;
+}
+
+/// Of a calibration flight's track: where the target is.
+std::optional<State> Engine::known_state(std::size_t track) const {
+  if (links_[track].target == TruthLink::kNoTarget) return std::nullopt;
+  const Target& target = targets_[links_[track].target];
+  if (!target.config->calibration_flight || target.id != links_[track].id) return std::nullopt;
+  return target.state;
 }
 
 void Engine::count_losses() {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "bandit/policy.hpp"
+#include "daemon/calibrator.hpp"
 #include "daemon/engine_config.hpp"
 #include "radar/look.hpp"
 #include "tracker/tracker.hpp"
@@ -69,9 +70,17 @@ class Engine {
   void set_policy(std::unique_ptr<Policy> policy) { policy_ = std::move(policy); }
   void set_sensor(std::size_t sensor, bool up) { sensor_states_[sensor].up = up; }
 
+  /// A solve of what the calibrator has; its outcome takes effect at the next scan.
+  void finish_calibration(const CalibrationTask& task, CalibrationOutcome outcome) {
+    calibrator_.finish(task, std::move(outcome), report_.scan);
+  }
+  void give_up_calibration() { calibrator_.give_up(); }
+
   const EngineConfig& config() const { return config_; }
+  const Calibrator& calibrator() const { return calibrator_; }
   /// The living tracks, and those lost at the last scan.
   std::span<const Track> tracks() const { return tracks_; }
+  /// As they are believed to be.
   std::span<const Sensor* const> sensors() const { return sensor_views_; }
   const SensorState& sensor_state(std::size_t sensor) const { return sensor_states_[sensor]; }
   const EngineCounts& counts() const { return counts_; }
@@ -88,12 +97,15 @@ class Engine {
   void predict_tracks();
   void start_tracks();
   void list_feasible_pairs();
-  void find_overdue();
+  void find_owed();
   void choose();
+  void set_faults();
   void execute(const Pair& pair);
   void compare_with_truth(std::size_t track);
   void survey();
   void hand_over(Track track);
+  void mark_others_plots(const Pair& pair, const State& pointing, const LookOutcome& outcome);
+  std::optional<State> known_state(std::size_t track) const;
   void count_losses();
   void report_truth();
   void restart(Target& target);
@@ -107,8 +119,11 @@ class Engine {
   Tracker tracker_;
   std::unique_ptr<Policy> policy_;
 
-  std::vector<std::unique_ptr<Sensor>> sensors_;
-  std::vector<const Sensor*> sensor_views_;
+  std::vector<std::unique_ptr<Sensor>> sensors_;  // as they are
+  std::vector<std::unique_ptr<Sensor>> beliefs_;
+  std::vector<const Sensor*> sensor_views_;  // of the beliefs
+  Calibrator calibrator_;
+  ImmEstimate before_look_;
   std::vector<RandomStream> sensor_streams_;
   std::vector<double> usage_cost_;
   std::vector<SensorState> sensor_states_;
@@ -123,6 +138,7 @@ class Engine {
   std::vector<Pair> feasible_;
   std::vector<Owed> owed_;
   std::vector<Plot> look_plots_;
+  std::vector<char> others_plots_;  // beside look_plots_: in the gate of another track
   std::uint32_t last_track_number_ = 0;
   std::uint32_t last_target_number_ = 0;
   ScanReport report_;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bandit/catalogue.hpp"
+#include "radar/calibration/corrected_radar.hpp"
 #include "radar/jump_markov_trajectory.hpp"
 #include "radar/range_bearing_radar.hpp"
 #include "radar/recording.hpp"
@@ -25,6 +26,19 @@ struct LinearFigures {
   double detection_probability = 1.0;
 };
 
+/// Simulation only: what a radar really does beyond its configured figures.
+struct RadarTruth {
+  Correction correction;
+  double detection_scale = 1.0;  ///< on the configured P_d; the product is cut at 1
+  double clutter_scale = 1.0;    ///< on the configured density of false plots
+};
+/// The same for a time: a fault, and then its end. Added to what the radar does anyway.
+struct RadarFault {
+  TimePoint start;
+  TimePoint end = TimePoint::max();
+  RadarTruth change;
+};
+
 struct SensorConfig {
   std::string name;
   std::variant<RadarFigures, LinearFigures> figures;
@@ -32,6 +46,24 @@ struct SensorConfig {
   bool up = true;
   BudgetSettings budget;
   int surveillance_scans = 0;  ///< scans from one surveillance look to the next; 0: none
+  RadarTruth truth;
+  std::vector<RadarFault> faults;
+};
+
+enum class CalibrationMode {
+  kOff,
+  kObserve,  ///< estimate and publish; tracker and policy keep the config's figures
+  kApply,    ///< and use what is learned
+};
+struct CalibrationSettings {
+  CalibrationMode mode = CalibrationMode::kObserve;
+  int period_scans = 100;  ///< a solve begins so often: noise to 17 % and biases to a third of sigma a radar of three
+  int delay_scans = 10;    ///< its outcome takes effect so many scans later; in real time that is its time limit
+  int window_plots = 600;  ///< noise scales to .05; at 600 plots a solve takes some tenths of a second
+  double exploration =
+      0.05;  ///< share of the scans whose first look is owed to a radar that waits for longer than its
+             ///< inverse, while applying: one believed bad would never get the looks that show it is not
+  CorrectionPrior prior;
 };
 
 /// Truth of one target, ready to be started at `start`.
@@ -75,6 +107,7 @@ struct TargetConfig {
   std::variant<ScriptedMotion, JumpMarkovMotion, RecordedMotion> motion;
   double weight = 1.0;  ///< multiplies its cost in every policy and metric
   std::variant<CuedStart, FirstPlotStart, NoStart> track_start;
+  bool calibration_flight = false;  ///< where it is, is known to calibration
 };
 
 inline constexpr const char* kDefaultBank = "cruise_and_turn";
@@ -94,6 +127,7 @@ struct EngineConfig {
   /// consecutive detected looks loses the track. 9: a matched track is there at 1.1 % of its looks.
   double lost_squared_distance = 9.0;
   PolicySettings policy;
+  CalibrationSettings calibration;
   /// Of priced value sets; runs may share one. Null: the engine makes its own.
   std::shared_ptr<ValueTable> value_table;
 };

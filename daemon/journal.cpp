@@ -121,7 +121,9 @@ Journal read_journal(const std::filesystem::path& file) {
       journal.requests.push_back(std::move(*record.mutable_request()));
     } else if (record.has_late_values()) {
       const auto& keys = record.late_values().key();
-      journal.late_values[record.late_values().scan()].assign(keys.begin(), keys.end());
+      journal.late.value_sets[record.late_values().scan()].assign(keys.begin(), keys.end());
+    } else if (record.has_late_calibration()) {
+      journal.late.calibrations.insert(record.late_calibration().scan());
     } else if (record.has_end()) {
       journal.end = record.end();
     }

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -30,12 +31,18 @@ class JournalWriter {
   int file_;
 };
 
+/// What other threads had not done when it was due: the scans that went on without it.
+struct LateResults {
+  std::map<std::uint64_t, std::vector<std::uint64_t>> value_sets;  ///< keys
+  std::set<std::uint64_t> calibrations;
+};
+
 /// A journal that was read whole.
 struct Journal {
   v1::JournalHeader header;
-  std::vector<v1::JournalRequest> requests;                         ///< in order of their scans
-  std::map<std::uint64_t, std::vector<std::uint64_t>> late_values;  ///< keys of value sets by the scan that missed them
-  std::optional<v1::JournalEnd> end;                                ///< empty where the run was cut off
+  std::vector<v1::JournalRequest> requests;  ///< in order of their scans
+  LateResults late;
+  std::optional<v1::JournalEnd> end;  ///< empty where the run was cut off
 };
 
 /// Errors   InvalidInput: unreadable, no header, another version, a record that is damaged, cut off or out of place

@@ -1,5 +1,6 @@
 #include "daemon/make.hpp"
 
+#include "radar/calibration/corrected_radar.hpp"
 #include "radar/linear_sensor.hpp"
 
 namespace dwell {
@@ -7,7 +8,7 @@ namespace {
 
 struct MakeSensor {
   std::unique_ptr<Sensor> operator()(const RadarFigures& figures) const {
-    return std::make_unique<RangeBearingRadar>(figures);
+    return std::make_unique<CorrectedRadar>(figures);
   }
   std::unique_ptr<Sensor> operator()(const LinearFigures& figures) const {
     return std::make_unique<LinearSensor>(figures.c, figures.r, figures.detection_probability);

@@ -58,12 +58,14 @@ std::vector<Violation> check_names(const v1::Request& request) {
 
 Run::Run(const DaemonConfig& config, Sink& sink, std::uint64_t epoch, JournalWriter* journal)
     : engine_(config.engine),
+      calibration_(engine_),
       stream_(sink, epoch),
       journal_(journal),
       policy_(config.effective.policy()),
       policy_text_(policy_text(policy_)) {}
 
 void Run::scan() {
+  take_calibration();
   expect_late_values();
   const ScanReport& report = engine_.scan();
   record_late_values();
@@ -81,10 +83,31 @@ void Run::scan() {
   }
   encode(report, engine_.tracks(), *stream_.envelope(Topic::kScan).mutable_scan_report());
   stream_.publish(Topic::kScan, report.time);
+  calibration_.after_scan();
+}
+
+/// The outcome that is due, given up where it is not there: which of the two it was is journalled.
+void Run::take_calibration() {
+  const auto event = calibration_.before_scan(late_.calibrations.contains(scans() + 1));
+  if (event == CalibrationLoop::Event::kNone) return;
+  if (event == CalibrationLoop::Event::kGivenUp && journal_ != nullptr) {
+    v1::JournalRecord record;
+    record.mutable_late_calibration()->set_scan(scans() + 1);
+    std::string problem;
+    (void)journal_->append(record, problem);  // a disk that is full refuses commands; scans go on
+  }
+  publish_calibration();
+}
+
+void Run::publish_calibration() {
+  for (std::size_t i = 0; i < engine_.sensors().size(); ++i) {
+    v1::RadarCalibration& message = *stream_.envelope(Topic::kCalibration).mutable_radar_calibration();
+    if (encode_calibration(engine_, i, message)) stream_.publish(Topic::kCalibration, engine_.last().time);
+  }
 }
 
 void Run::expect_late_values() {
-  if (const auto late = late_values_.find(scans() + 1); late != late_values_.end()) {
+  if (const auto late = late_.value_sets.find(scans() + 1); late != late_.value_sets.end()) {
     engine_.value_table().expect_late(late->second);
   }
 }
@@ -137,7 +160,7 @@ bool Run::replay(const v1::Request& request) {
 v1::Reply Run::command(const v1::Request& request) {
   v1::Reply reply;
   reply.set_id(request.id());
-  const bool changes = request.has_set_policy() || request.has_set_radar();
+  const bool changes = request.has_set_policy() || request.has_set_radar() || request.has_calibrate();
   if (ending_ || stop_requested()) {
     refuse(reply, v1::Refused::NOT_NOW, {{"run", "ending", "must not be ending"}});
   } else if (replaying_ && changes) {
@@ -146,12 +169,15 @@ v1::Reply Run::command(const v1::Request& request) {
     set_policy(request, reply);
   } else if (request.has_set_radar()) {
     set_radar(request, reply);
+  } else if (request.has_calibrate()) {
+    calibrate(request, reply);
   } else if (request.has_step()) {
     step(request.step(), reply);
   } else {
     pause(request, reply);
   }
-  if (reply.has_accepted()) reply.mutable_accepted()->set_effective_scan(scans() + 1);
+  if (!reply.has_accepted()) return reply;
+  reply.mutable_accepted()->set_effective_scan(request.has_calibrate() ? *calibration_.due() : scans() + 1);
   return reply;
 }
 
@@ -203,6 +229,18 @@ void Run::set_radar(const v1::Request& request, v1::Reply& reply) {
   change.set_name(name);
   change.set_up(request.set_radar().up());
   stream_.publish(Topic::kRadar, engine_.last().time);
+  fill_radars(*reply.mutable_accepted()->mutable_radar_list());
+}
+
+void Run::calibrate(const v1::Request& request, v1::Reply& reply) {
+  if (!engine_.calibrator().on()) {
+    return refuse(reply, v1::Refused::NOT_NOW, {{"calibration.mode", "OFF", "must be OBSERVE or APPLY, with a radar"}});
+  }
+  if (calibration_.due()) {
+    return refuse(reply, v1::Refused::NOT_NOW, {{"calibrate", "running", "must not be running already"}});
+  }
+  if (!record(request, reply)) return;
+  calibration_.ask(true);
   fill_radars(*reply.mutable_accepted()->mutable_radar_list());
 }
 

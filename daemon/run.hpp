@@ -2,10 +2,10 @@
 
 #include <deque>
 #include <functional>
-#include <map>
 #include <string>
 #include <unordered_map>
 
+#include "daemon/calibration_loop.hpp"
 #include "daemon/config/config_reader.hpp"
 #include "daemon/engine.hpp"
 #include "daemon/journal.hpp"
@@ -39,12 +39,13 @@ class Run {
   bool stop_requested() const { return !stop_reason_.empty(); }
   const std::string& stop_reason() const { return stop_reason_; }
   std::uint64_t requests_refused() const { return requests_refused_; }
-  /// From now on requests that would change the run are refused: it repeats a journal, in which these value sets were
-  /// late at these scans.
-  void set_replaying(std::map<std::uint64_t, std::vector<std::uint64_t>> late_values = {}) {
+  /// From now on requests that would change the run are refused: it repeats a journal, in which this was late.
+  void set_replaying(LateResults late = {}) {
     replaying_ = true;
-    late_values_ = std::move(late_values);
+    late_ = std::move(late);
   }
+  /// A scan does not wait for a solve; by default it does.
+  void set_real_time() { calibration_.set_waits(false); }
   /// What `handle` asks for the wall-clock part of a status; by default there is none.
   void set_wall_clock(std::function<v1::WallClock()> wall_clock) { wall_clock_ = std::move(wall_clock); }
 
@@ -58,6 +59,9 @@ class Run {
   v1::Reply command(const v1::Request& request);
   void set_policy(const v1::Request& request, v1::Reply& reply);
   void set_radar(const v1::Request& request, v1::Reply& reply);
+  void calibrate(const v1::Request& request, v1::Reply& reply);
+  void take_calibration();
+  void publish_calibration();
   void pause(const v1::Request& request, v1::Reply& reply);
   void step(const v1::Step& step, v1::Reply& reply);
   bool record(const v1::Request& request, v1::Reply& reply);
@@ -73,6 +77,7 @@ class Run {
   void fill_snapshot(v1::Snapshot& snapshot) const;
 
   Engine engine_;
+  CalibrationLoop calibration_;
   Stream stream_;
   JournalWriter* journal_;
   v1::Policy policy_;
@@ -80,7 +85,7 @@ class Run {
   bool paused_ = false;
   bool ending_ = false;
   bool replaying_ = false;
-  std::map<std::uint64_t, std::vector<std::uint64_t>> late_values_;  // of the journal that is repeated
+  LateResults late_;  // of the journal that is repeated
   std::uint64_t steps_ = 0;
   std::string stop_reason_;
   std::uint64_t requests_refused_ = 0;

@@ -40,8 +40,10 @@ Service::Service(Run& run, Publisher& publisher, ControlSocket& control, int sig
       next_scan_(started_),
       next_status_(started_) {
   durations_us_.reserve(kDurations);
-  if (options_.replaying) run_.set_replaying(options_.replay_late_values);
-  if (!options_.fast) run_.set_wall_clock([this] { return wall_clock(); });
+  if (options_.replaying) run_.set_replaying(options_.late);
+  if (options_.fast) return;
+  run_.set_wall_clock([this] { return wall_clock(); });
+  run_.set_real_time();
 }
 
 void Service::loop(const std::function<void(const Engine&)>& after_scan) {

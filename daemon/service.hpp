@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "daemon/run.hpp"
@@ -14,7 +15,7 @@ struct ServiceOptions {
   std::optional<std::uint64_t> scans;      ///< end after so many
   int wait_subscribers = 0;                ///< before the first scan
   std::vector<v1::JournalRequest> replay;  ///< to apply before their scans
-  std::map<std::uint64_t, std::vector<std::uint64_t>> replay_late_values;  ///< likewise: Journal::late_values
+  LateResults late;                        ///< of the journal
   bool replaying = false;
   std::string end_reason = "all scans done";  ///< after `scans`
 };

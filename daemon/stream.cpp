@@ -3,7 +3,8 @@
 namespace dwell {
 namespace {
 
-constexpr std::array<std::string_view, 7> kWords{"track.", "scan.", "plot.", "status.", "policy.", "radar.", "end."};
+constexpr std::array<std::string_view, 8> kWords{"track.",  "scan.",  "plot.", "status.",
+                                                 "policy.", "radar.", "end.",  "calibration."};
 
 }  // namespace
 

@@ -18,7 +18,7 @@ class Sink {
 };
 
 /// First words of the topics, each with its own topic_sequence.
-enum class Topic { kTrack, kScan, kPlot, kStatus, kPolicy, kRadar, kEnd };
+enum class Topic { kTrack, kScan, kPlot, kStatus, kPolicy, kRadar, kEnd, kCalibration };
 
 /// Numbers the messages and writes the envelopes: the only place that knows a sequence number.
 class Stream {
@@ -37,8 +37,8 @@ class Stream {
   Sink& sink_;
   std::uint64_t epoch_;
   std::uint64_t sequence_ = 0;
-  std::array<std::uint64_t, 7> topic_sequence_{};
-  std::array<v1::Envelope, 7> envelopes_;
+  std::array<std::uint64_t, 8> topic_sequence_{};
+  std::array<v1::Envelope, 8> envelopes_;
   std::string topic_;
   std::string bytes_;
 };

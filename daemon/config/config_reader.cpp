@@ -34,6 +34,7 @@ class ConfigReader {
     read_tracker(top_.child("tracker"), engine_);
     read_sensors();
     read_targets();
+    read_calibration(top_.child("calibration"), engine_.calibration);
     FieldReader policy = top_.child("policy");
     if (config_.effective.policy().kind_case() == v1::Policy::KIND_NOT_SET) {
       config_.effective.mutable_policy()->mutable_sa_imm();

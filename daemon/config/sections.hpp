@@ -17,6 +17,10 @@ namespace dwell {
 SensorConfig read_radar(FieldReader in, Duration scan_period);
 SensorConfig read_linear_sensor(FieldReader in, Duration scan_period);
 
+/// Simulation only: a radar's truth and faults.
+void read_radar_truth(FieldReader radar, SensorConfig& sensor);
+void read_calibration(FieldReader in, CalibrationSettings& settings);
+
 /// A bank by name or spelled out; checked against the scan period. `fallback` where the message is empty.
 ModeBank read_bank(FieldReader in, Duration scan_period, const ModeBank& fallback);
 ProcessNoise read_process_noise(FieldReader in, Duration scan_period);

@@ -108,6 +108,7 @@ SensorConfig read_radar(FieldReader in, Duration scan_period) {
   if (in.has("surveillance")) {
     sensor.surveillance_scans = read_surveillance(in.child("surveillance"), scan_period, figures);
   }
+  read_radar_truth(in, sensor);
   sensor.figures = figures;
   return sensor;
 }

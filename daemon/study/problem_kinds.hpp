@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "daemon/config/config_reader.hpp"
 #include "daemon/config/parsed_config.hpp"
 #include "daemon/study/run_metrics.hpp"
 #include "daemon/study/study_report.hpp"
@@ -22,6 +23,7 @@ struct StudyRequest {
   std::optional<std::uint64_t> seed;   ///< none: the config's
   std::optional<std::uint64_t> scans;  ///< of each run; none: the config's
   TimeWindow window;
+  std::optional<std::string> calibrate;  ///< "joint", "innovations": what calibration knows of a scenario's radars
 };
 
 /// Who looks on: may cut a study short, and is told (done, of all), from any thread, one at a time.
@@ -42,6 +44,9 @@ struct ProblemKind {
 const ProblemKind& kind_of(const v1::Config& config);
 
 std::unique_ptr<StudyReport> study_scenario(ParsedConfig config, const StudyRequest& request, const StudyWatch& watch);
+/// The same scenario's radars: calibration against their truth, under one policy.
+std::unique_ptr<StudyReport> study_calibration_of(DaemonConfig config, const StudyRequest& request,
+                                                  const StudyWatch& watch);
 std::unique_ptr<StudyReport> study_lti(ParsedConfig config, const StudyRequest& request, const StudyWatch& watch);
 std::unique_ptr<StudyReport> study_hmm_selection(ParsedConfig config, const StudyRequest& request,
                                                  const StudyWatch& watch);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "daemon/calibration_loop.hpp"
 #include "radar/assert.hpp"
 #include "tracker/metrics/nees.hpp"
 
@@ -254,13 +255,17 @@ std::vector<std::string> metric_names(const EngineConfig& config) {
 
 RunResult run_and_measure(const EngineConfig& config, std::uint64_t scans, const TimeWindow& window) {
   Engine engine(config);
+  CalibrationLoop calibration(engine);
+  const bool calibrates = engine.calibrator().applies();  // what only observes changes no figure
   Measurer measurer(engine.config(), window);
   RunResult result;
   result.scans.reserve(scans);
   result.decision_us.reserve(scans);
   engine.set_policy(timed(make_policy(config.policy), result.decision_us));
   while (engine.last().scan < scans) {
+    if (calibrates) (void)calibration.before_scan();
     engine.scan();
+    if (calibrates) calibration.after_scan();
     result.scans.push_back(measurer.add(engine));
   }
   result.figures = measurer.figures();

@@ -56,6 +56,10 @@ class ScenarioReport final : public StudyReport {
 std::unique_ptr<StudyReport> study_scenario(ParsedConfig parsed, const StudyRequest& request, const StudyWatch& watch) {
   DaemonConfig config = read_config(std::move(parsed));
   const std::vector<NamedPolicy> policies = read_policies(request.policies, config);
+  if (request.calibrate) {
+    config.engine.policy = policies.front().settings;
+    return study_calibration_of(std::move(config), request, watch);
+  }
   StudyOptions options;
   options.runs = request.runs;
   options.seed = request.seed.value_or(config.engine.seed);

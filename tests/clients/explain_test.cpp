@@ -117,7 +117,7 @@ TEST(Explain, SaysThatTheLookWasOwed) {
   v1::Snapshot s = one_scan();
   EXPECT_THAT(text_of(s), Not(HasSubstr("owed")));
   s.mutable_last_scan()->set_owed(true);
-  EXPECT_THAT(text_of(s), HasSubstr("the first look was owed: its track had waited too long"));
+  EXPECT_THAT(text_of(s), HasSubstr("the first look was owed: its track or its radar had waited too long"));
 }
 
 TEST(Explain, ScoresThatAreNotNumbersGoLastAndAreDashes) {

@@ -218,10 +218,10 @@ TEST_F(JournalTest, ReplayRepeatsWhichValueSetsWereLate) {
   builder.join();
 
   const Journal journal = read_journal(file_);
-  EXPECT_GE(journal.late_values.size(), 2U);
+  EXPECT_GE(journal.late.value_sets.size(), 2U);
   config.engine.value_table = nullptr;
   RecordedRun again(config);
-  again.run.set_replaying(journal.late_values);
+  again.run.set_replaying(journal.late);
   again.scan(static_cast<int>(journal.end->scan()));
   again.run.publish_end("done");
   EXPECT_TRUE(again.stream.bytes == recorded.stream.bytes);

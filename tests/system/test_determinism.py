@@ -29,6 +29,14 @@ class Determinism(SystemTest):
         first = self.published(BUSY, "--scans", 500)
         self.assertEqual(digest(self.published(BUSY, "--scans", 500)), digest(first))
 
+    def test_calibration_takes_effect_at_the_same_scans(self):
+        config = BUSY + "calibration { mode: APPLY period_scans: 60 delay_scans: 7 }\n"
+        runs = [self.published(config, "--scans", 200) for _ in range(3)]
+        self.assertEqual({digest(messages) for messages in runs}, {digest(runs[0])})
+        effective = [m.radar_calibration.effective_scan for m in envelopes(runs[0]) if m.HasField("radar_calibration")]
+        self.assertEqual(sorted(set(effective)), [22, 37, 67, 127, 187])
+        self.assertNotEqual(digest(runs[0]), digest(self.published(BUSY, "--scans", 200)))
+
     def test_seed_of_the_command_line_is_that_of_the_config(self):
         by_flag = self.published(BUSY, "--scans", 50, "--seed", 5)
         self.assertEqual(digest(self.published(BUSY + "seed: 5\n", "--scans", 50)), digest(by_flag))

@@ -1,0 +1,269 @@
+#include "daemon/calibrator.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "radar/assert.hpp"
+#include "radar/calibration/innovations.hpp"
+#include "radar/calibration/joint.hpp"
+
+namespace dwell {
+namespace {
+
+/// A gap that is longer starts a track of the window anew: its motion says little of the plots on the other side.
+constexpr int kLongestGap = 30;
+/// Scans over which a new correction comes into use: a jump of several sigma would look like a manoeuvre.
+constexpr std::uint64_t kRampScans = 10;
+/// Both sigmas of a radar under suspicion: its plots weigh a hundredth.
+constexpr double kDistrust = 10.0;
+/// Tracks whose disturbance is remembered, the latest: more at a time are no question of one radar.
+constexpr std::size_t kMostDisturbances = 16;
+/// Fresh plots that it takes to judge what is in use, and the log likelihood ratio at which it goes: by chance once in
+/// e^3 = 20 judgements of two that are equally good, and then nothing is lost.
+constexpr std::size_t kLeastFreshPlots = 20;
+constexpr double kRollBack = 3.0;
+
+std::shared_ptr<const MotionPrior> motion_prior(const EngineConfig& config) {
+  auto prior = std::make_shared<MotionPrior>();
+  prior->initial_probability = config.bank.initial_probability;
+  const double period_s = to_seconds(config.scan_period);
+  const auto one = discretise(config.bank, period_s);
+  DWELL_ASSERT(one.has_value());  // the config reader has refused the others
+  Eigen::MatrixXd chain = Eigen::MatrixXd::Identity(one->size(), one->size());
+  for (int gap = 0; gap <= kLongestGap; ++gap, chain = chain * one->transition) {
+    MotionStep step;
+    step.transition = chain;
+    for (const Mode& mode : config.bank.modes) {
+      step.f.push_back(transition(mode.motion, gap * period_s));
+      step.q.push_back(process_noise(mode.motion, mode.noise, gap * period_s));
+    }
+    prior->steps.push_back(std::move(step));
+  }
+  return prior;
+}
+
+double footprint_volume(const Sensor& sensor) {
+  const Vector2 half = sensor.footprint_half_extent();
+  return 4.0 * half[0] * half[1];
+}
+
+/// Of the plots that are not marked and finite, the one with the least distance from the prediction in sigmas.
+std::optional<std::size_t> nearest(const CorrectedRadar& radar, const State& predicted, std::span<const Plot> plots,
+                                   std::span<const char> marked) {
+  const Vector2 sigma = radar.configured_noise(predicted).diagonal().cwiseSqrt();
+  std::optional<std::size_t> best;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < plots.size(); ++i) {
+    const Vector2 apart = radar.residual(plots[i].z, radar.measure(predicted)).cwiseQuotient(sigma);
+    if (marked[i] || !(apart.squaredNorm() < least)) continue;
+    least = apart.squaredNorm();
+    best = i;
+  }
+  return best;
+}
+
+Correction between(const Correction& from, const Correction& to, double share) {
+  return to_correction(to_vector(from) + share * (to_vector(to) - to_vector(from)));
+}
+
+}  // namespace
+
+CalibrationOutcome solve(const CalibrationTask& task, EstimatorSettings settings) {
+  CalibrationOutcome outcome;
+  outcome.joint = task.joint;
+  settings.prior = task.prior;
+  if (task.fresh.plots.size() >= kLeastFreshPlots) {
+    const double in_use = log_likelihood(task.fresh, *task.motion, task.applied);
+    const double before = log_likelihood(task.fresh, *task.motion, task.previous);
+    outcome.rolled_back = before > in_use + kRollBack;
+  }
+  const auto& method = task.joint ? estimate_jointly : estimate_corrections;
+  outcome.estimate = method(task.window, *task.motion, task.applied, settings);
+  return outcome;
+}
+
+Calibrator::Calibrator(const EngineConfig& config, const std::vector<std::unique_ptr<Sensor>>& beliefs)
+    : settings_(config.calibration), radar_of_sensor_(beliefs.size(), -1) {
+  for (std::size_t i = 0; i < beliefs.size(); ++i) {
+    auto* radar = dynamic_cast<CorrectedRadar*>(beliefs[i].get());
+    if (radar == nullptr) continue;
+    radar_of_sensor_[i] = static_cast<int>(beliefs_.size());
+    beliefs_.push_back(radar);
+  }
+  radars_.resize(beliefs_.size());
+  if (!on()) return;
+  plots_.reserve(static_cast<std::size_t>(settings_.window_plots));
+  disturbances_.reserve(kMostDisturbances);
+  expected_.reserve(static_cast<std::size_t>(config.bank.initial_probability.size()));
+  motion_ = motion_prior(config);
+}
+
+std::optional<std::size_t> Calibrator::owed(std::uint64_t scan, std::span<const Pair> feasible) const {
+  if (!applies() || settings_.exploration <= 0.0) return std::nullopt;
+  const auto interval = static_cast<std::uint64_t>(std::ceil(1.0 / settings_.exploration - 1e-9));
+  if (scan % interval != 0) return std::nullopt;
+  std::optional<std::size_t> longest;
+  std::uint64_t last_look = scan - interval + 1;  // of those that have waited for so long
+  for (const Pair& pair : feasible) {
+    const RadarCalibration* radar = this->radar(pair.sensor);
+    if (radar == nullptr || radar->last_look >= last_look) continue;
+    longest = pair.sensor;
+    last_look = radar->last_look;
+  }
+  return longest;
+}
+
+void Calibrator::add(std::uint64_t scan, const Dwell& dwell, const ImmEstimate& before, std::span<const Plot> plots,
+                     std::span<const char> others, std::optional<std::size_t> used, const std::optional<State>& truth) {
+  if (!on()) return;
+  const int index = radar_of_sensor_[dwell.radar.number - 1];
+  if (index < 0) return;
+  const CorrectedRadar& belief = *beliefs_[index];
+  RadarCalibration& radar = radars_[index];
+  radar.last_look = scan;
+  const auto unexplained = std::count(others.begin(), others.end(), 0) - (used ? 1 : 0);
+  radar.detection.add(used.has_value(), belief.configured_detection(dwell.pointing));
+  radar.clutter.add(static_cast<int>(unexplained), footprint_volume(belief));
+
+  // A plot that is alone counts in the gate or not: of a noise that is too large the gate lets in what is small. What
+  // is not the target's is the estimator's outlier.
+  std::optional<std::size_t> own = used;
+  if (!used) own = nearest(belief, dwell.pointing, plots, others);
+  watch(index, dwell, before, own ? &plots[*own] : nullptr, used.has_value(), scan);
+  if (used || (own && unexplained == 1)) keep(scan, dwell, plots[*own], truth);
+}
+
+/// A fault that comes or goes.
+void Calibrator::watch(int index, const Dwell& dwell, const ImmEstimate& before, const Plot* plot, bool detected,
+                       std::uint64_t scan) {
+  RadarCalibration& radar = radars_[index];
+  const Fault fault = radar.detector.fault();
+  radar.detector.add_look(detected, beliefs_[index]->detection_probability(dwell.pointing));
+  if (plot != nullptr) compare(index, dwell, before, *plot);
+  if (radar.detector.fault() != fault) change_fault(radar, scan);
+}
+
+/// The plot with what the track expects. A gross error takes the track with it, and then the next radar is as far off:
+/// the first to disagree is to answer for it, so the other's plot is no evidence.
+void Calibrator::compare(int index, const Dwell& dwell, const ImmEstimate& before, const Plot& plot) {
+  const std::uint32_t track = dwell.track.number;
+  const auto disturbance = std::find_if(disturbances_.begin(), disturbances_.end(),
+                                        [&](const Disturbance& other) { return other.track == track; });
+  const bool disturbed = disturbance != disturbances_.end() && disturbance->radar != index;
+  if (disturbance != disturbances_.end()) disturbances_.erase(disturbance);
+  if (disturbed) return;
+  const CorrectedRadar& belief = *beliefs_[index];
+  expected_.clear();
+  for (int j = 0; j < before.size(); ++j) {
+    const Gaussian& mode = before.modes[j];
+    const MeasurementJacobian h = belief.jacobian(mode.mean);
+    expected_.push_back({before.probability[j], belief.residual(plot.z, belief.measure(mode.mean)),
+                         h * mode.covariance * h.transpose()});
+  }
+  const double distrust = belief.distrust();
+  const double false_density = belief.clutter_density() + calibration::kOutlierProbability / footprint_volume(belief);
+  const bool gross =
+      radars_[index].detector.add_plot(expected_, belief.noise(dwell.pointing) / (distrust * distrust), false_density);
+  if (!gross) return;
+  if (disturbances_.size() == kMostDisturbances) disturbances_.erase(disturbances_.begin());
+  disturbances_.push_back({track, index});
+}
+
+void Calibrator::keep(std::uint64_t scan, const Dwell& dwell, const Plot& plot, const std::optional<State>& truth) {
+  const int index = radar_of_sensor_[dwell.radar.number - 1];
+  CalibrationPlot kept;
+  kept.scan = scan;
+  kept.track = dwell.track.number;
+  kept.radar = static_cast<std::uint32_t>(index);
+  kept.z = plot.z;
+  kept.sigma = beliefs_[index]->configured_noise(dwell.pointing).diagonal().cwiseSqrt();
+  kept.predicted = dwell.pointing;
+  kept.truth = truth;
+  if (plots_.size() < static_cast<std::size_t>(settings_.window_plots)) {
+    plots_.push_back(kept);
+  } else {
+    plots_[next_] = kept;
+    next_ = (next_ + 1) % plots_.size();
+  }
+}
+
+/// What a radar did before it went bad, or came back, says nothing of it now. Before it has been calibrated at all the
+/// fault is in its figures, which the plots at hand are to find.
+void Calibrator::change_fault(RadarCalibration& radar, std::uint64_t scan) {
+  if (applied_scan_ > 0) radar.since_scan = scan + 1;
+  distrust();
+}
+
+/// Whoever is under suspicion weighs little, as long as another is not.
+void Calibrator::distrust() {
+  if (!applies()) return;
+  const auto trusted = [](const RadarCalibration& radar) { return radar.detector.fault() == Fault::kNone; };
+  const bool any = std::any_of(radars_.begin(), radars_.end(), trusted);
+  for (std::size_t i = 0; i < radars_.size(); ++i)
+    beliefs_[i]->set_distrust(any && !trusted(radars_[i]) ? kDistrust : 1.0);
+}
+
+void Calibrator::move_beliefs(std::uint64_t scan) {
+  if (!applies()) return;
+  const double share = std::min(1.0, static_cast<double>(scan - applied_scan_) / static_cast<double>(kRampScans));
+  for (std::size_t i = 0; i < radars_.size(); ++i) {
+    beliefs_[i]->set_correction(between(radars_[i].previous, radars_[i].applied, share));
+    beliefs_[i]->set_detection_scale(radars_[i].detection.scale());
+    beliefs_[i]->set_clutter_density(radars_[i].clutter.density(beliefs_[i]->figures().clutter_density));
+  }
+}
+
+CalibrationWindow Calibrator::empty_window() const {
+  CalibrationWindow window;
+  for (const CorrectedRadar* radar : beliefs_) {
+    window.radar_position_m.push_back(radar->figures().position_m);
+    window.outlier_density.push_back(1.0 / footprint_volume(*radar));
+  }
+  return window;
+}
+
+CalibrationTask Calibrator::task(std::uint64_t scan, bool joint) const {
+  CalibrationTask task{scan, empty_window(), empty_window(), {}, {}, motion_, settings_.prior, joint};
+  for (const RadarCalibration& radar : radars_) {
+    task.applied.push_back(radar.applied);
+    task.previous.push_back(radar.previous);
+  }
+  for (const CalibrationPlot& plot : plots_) {
+    if (plot.scan < radars_[plot.radar].since_scan) continue;
+    task.window.plots.push_back(plot);
+    if (applied_scan_ > 0 && plot.scan > applied_scan_ + kRampScans) task.fresh.plots.push_back(plot);
+  }
+  sort_plots(task.window.plots);
+  sort_plots(task.fresh.plots);
+  return task;
+}
+
+void Calibrator::finish(const CalibrationTask& task, CalibrationOutcome outcome, std::uint64_t scan) {
+  last_scan_ = task.scan;
+  if (outcome.rolled_back) {
+    for (RadarCalibration& radar : radars_) std::swap(radar.applied, radar.previous);
+    applied_scan_ = scan;
+  } else if (outcome.estimate.status == EstimatorStatus::kDone && applies()) {
+    for (std::size_t i = 0; i < radars_.size(); ++i) {
+      radars_[i].previous = radars_[i].applied;
+      radars_[i].applied = outcome.estimate.correction(static_cast<int>(i));
+    }
+    applied_scan_ = scan;
+  }
+  last_ = std::move(outcome);
+}
+
+void Calibrator::give_up() {
+  CalibrationOutcome late;
+  late.estimate.status = EstimatorStatus::kTimeLimit;
+  last_ = std::move(late);
+}
+
+const RadarCalibration* Calibrator::radar(std::size_t sensor) const {
+  const int index = radar_of_sensor_[sensor];
+  return index < 0 ? nullptr : &radars_[index];
+}
+
+}  // namespace dwell
