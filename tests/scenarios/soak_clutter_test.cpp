@@ -92,8 +92,7 @@ bool is_lost(const Engine& engine, double half_m) {
 int lost_of(const char* association, double in_gate, bool turns, int runs) {
   const std::string text =
       radar(density_of(in_gate, 20e3), "dwell_range_m: 1000 dwell_azimuth_deg: 2.86") +
-      "target { name: \"t\" x_m: -5e3 y_m: 20e3 vx_mps: 200 process_noise { white_noise_acceleration: 0.1 }\n"
-      " +
+      "target { name: \"t\" x_m: -5e3 y_m: 20e3 vx_mps: 200 process_noise { white_noise_acceleration: 0.1 }\n" +
       (turns ? "leg { start_s: 50 duration_s: 10.7 turn_rate_dps: 8.43 }\n" : "") +
       "start { covariance: [900, 400, 900, 400] } }\n"
       "tracker { association: " +
