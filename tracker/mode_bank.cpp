@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 
 #include "radar/assert.hpp"
+#include "tracker/normal_orthant.hpp"
 
 namespace dwell {
 
@@ -59,11 +60,27 @@ std::optional<Eigen::MatrixXd> transition_over(const Eigen::MatrixXd& transition
   return Eigen::MatrixXd(sums.cwiseInverse().asDiagonal() * result);
 }
 
+Eigen::MatrixXd transition_at(const DiscreteBank& bank, std::span<const Gaussian> modes) {
+  Eigen::MatrixXd guarded = Eigen::MatrixXd::Zero(bank.size(), bank.size());
+  for (const Guard& guard : bank.guards) {
+    const Gaussian& belief = modes[static_cast<std::size_t>(guard.from)];
+    const Eigen::MatrixXd covariance =
+        guard.l * belief.covariance * guard.l.transpose() + guard.noise_root * guard.noise_root.transpose();
+    guarded(guard.from, guard.to) += normal_orthant(guard.l * belief.mean + guard.b, covariance);
+  }
+  for (Eigen::Index i = 0; i < guarded.rows(); ++i) {
+    if (const double sum = guarded.row(i).sum(); sum > 1.0) guarded.row(i) /= sum;
+  }
+  const Eigen::VectorXd none = (1.0 - guarded.rowwise().sum().array()).cwiseMax(0.0);
+  return guarded + none.asDiagonal() * bank.transition;
+}
+
 std::optional<DiscreteBank> discretise(const ModeBank& bank, double dt_s) {
   auto transition_matrix = transition_over(bank.transition, dt_s / bank.transition_interval_s);
   if (!transition_matrix) return std::nullopt;
   DiscreteBank discrete;
   discrete.transition = std::move(*transition_matrix);
+  discrete.guards = bank.guards;
   for (const Mode& mode : bank.modes) {
     DWELL_ASSERT(divides(mode.noise, dt_s));
     discrete.f.push_back(transition(mode.motion, dt_s));

@@ -113,6 +113,7 @@ JumpMarkovMotion read_jump_markov(FieldReader& in, const EngineConfig& config) {
   if (const auto discrete = discretise(bank, to_seconds(config.scan_period))) {
     motion.system.transition_matrix = discrete->f;
     motion.system.transition = discrete->transition;
+    motion.system.guards = discrete->guards;
     for (const StateMatrix& q : discrete->q) {
       motion.system.process_noise_root.push_back(without_noise ? StateMatrix::Zero() : root_of(q));
     }

@@ -42,6 +42,9 @@ std::vector<std::string> not_finite_and(std::initializer_list<const char*> more)
 const std::string kC = "c: [1, 0, 0, 0,  0, 0, 1, 0] ";
 const std::string kR = "r: [1, 0, 0, 1] ";
 const std::string kTwoModes = "tracker { bank { mode { name: \"a\" } mode { name: \"b\" } ";
+std::string guard(const std::string& fields) {
+  return top(kTwoModes + "transition: [1, 0, 0, 1] guard { from: \"a\" to: \"b\" " + fields + " } } }");
+}
 const std::string kRecording = "recording { file: \"flights/flights.csv\" id: \"belevingsvlucht\" ";
 
 // clang-format off
@@ -197,6 +200,12 @@ const std::vector<Row> kRows{
    {"0.001", "2.5", "1e6"}},
   {"ModeBank.initial_probability", top(kTwoModes + "transition: [1, 0, 0, 1] initial_probability: [1, @] } }"),
    "tracker.bank.initial_probability", "must be in [0, 1]", not_finite_and({"-0.1", "1.1"}), {"0"}},
+  {"Guard.l", guard("l: [1, @, 0, 0] b: 1"), "tracker.bank.guard[1].l", "must be in [-1000000, 1000000]",
+   not_finite_and({"1000001"}), {"-1e6", "0", "1e6"}},
+  {"Guard.b", guard("l: [1, 0, 0, 0] b: @"), "tracker.bank.guard[1].b", "must be in [-1000000000000, 1000000000000]",
+   not_finite_and({"1000000000001"}), {"-1e12", "0", "1e12"}},
+  {"Guard.noise", guard("l: [1, 0, 0, 0] b: 1 noise: @"), "tracker.bank.guard[1].noise", "must be in [-1e+18, 1e+18]",
+   not_finite_and({"1.1e+18"}), {"0", "1e18"}},
   {"CoordinatedTurn.turn_rate_dps",
    top("tracker { bank { mode { name: \"a\" coordinated_turn { turn_rate_dps: @ } } } }"),
    "tracker.bank.mode[1].coordinated_turn.turn_rate_dps", "must be in [-360, 360]", not_finite_and({"361"}),
