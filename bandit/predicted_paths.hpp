@@ -21,6 +21,8 @@ namespace dwell {
 /// a target not looked at until k is in the footprint (tracker/footprint.hpp). Both maps are monotone and concave:
 /// larger covariances lead to no smaller ones, and what holds of Riccati steps by that holds here.
 ///
+/// Modes with trailing states (accelerations, a turn rate) are taken by what is seen of them, F and Q of DiscreteBank.
+///
 /// An approximation. Of a linear Gaussian track with one mode it is exact. Of an IMM the cost of the first look is the
 /// exact first sum of ExpectedCost; left out are the spread of the means, which on the path is the same under every
 /// plan, and what later looks tell of the mode: LookAhead has both.

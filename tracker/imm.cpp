@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "radar/assert.hpp"
+#include "tracker/unlike_modes.hpp"
 
 namespace dwell {
 namespace {
@@ -39,6 +40,7 @@ Numerics predict(const DiscreteBank& bank, const ImmEstimate& estimate, ImmEstim
     guarded = transition_at(bank, estimate.modes);
   }
   const Eigen::MatrixXd& transition = bank.guards.empty() ? bank.transition : guarded;
+  if (!bank.trailing.empty()) return predict_unlike(bank, transition, estimate, predicted);
   for (int j = 0; j < count; ++j) {
     const double c = estimate.probability.dot(transition.col(j));
     const auto weight = [&](std::size_t i) {

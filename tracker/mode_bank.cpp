@@ -1,5 +1,6 @@
 #include "tracker/mode_bank.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -75,13 +76,38 @@ Eigen::MatrixXd transition_at(const DiscreteBank& bank, std::span<const Gaussian
   return guarded + none.asDiagonal() * bank.transition;
 }
 
+namespace {
+
+/// F and Q of [x vx y vy] alone, from a standstill with trailing states of mean 0 and their start covariance.
+void discretise_seen(const TrailingMotion& motion, DiscreteBank& discrete) {
+  const Moved& moved = discrete.from_rest[discrete.f.size()];
+  const Eigen::Matrix<double, kStateSize, 2> spreads = moved.f.topRightCorner<kStateSize, 2>();
+  discrete.f.push_back(moved.f.topLeftCorner<kStateSize, kStateSize>());
+  discrete.q.push_back(symmetric_part(moved.q.topLeftCorner<kStateSize, kStateSize>() +
+                                      spreads * start_covariance(motion) * spreads.transpose()));
+}
+
+}  // namespace
+
 std::optional<DiscreteBank> discretise(const ModeBank& bank, double dt_s) {
   auto transition_matrix = transition_over(bank.transition, dt_s / bank.transition_interval_s);
   if (!transition_matrix) return std::nullopt;
   DiscreteBank discrete;
   discrete.transition = std::move(*transition_matrix);
   discrete.guards = bank.guards;
+  discrete.interval_s = dt_s;
+  const auto has_trailing = [](const Mode& mode) { return mode.trailing.has_value(); };
+  if (std::any_of(bank.modes.begin(), bank.modes.end(), has_trailing)) {
+    for (const Mode& mode : bank.modes) {
+      discrete.trailing.push_back(mode.trailing);
+      discrete.from_rest.push_back(mode.trailing ? move(*mode.trailing, dt_s, FullState::Zero()) : Moved{});
+    }
+  }
   for (const Mode& mode : bank.modes) {
+    if (mode.trailing) {
+      discretise_seen(*mode.trailing, discrete);
+      continue;
+    }
     DWELL_ASSERT(divides(mode.noise, dt_s));
     discrete.f.push_back(transition(mode.motion, dt_s));
     discrete.q.push_back(process_noise(mode.motion, mode.noise, dt_s));

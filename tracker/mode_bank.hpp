@@ -9,6 +9,7 @@
 #include "radar/guard.hpp"
 #include "tracker/gaussian.hpp"
 #include "tracker/process_noise.hpp"
+#include "tracker/trailing_motion.hpp"
 
 namespace dwell {
 
@@ -17,6 +18,7 @@ struct Mode {
   std::string name;
   Motion motion = ConstantVelocity{};
   ProcessNoise noise = NoProcessNoise{};
+  std::optional<TrailingMotion> trailing{};  ///< instead of both: a motion with states beyond [x vx y vy]
 };
 
 /// The modes of an IMM and how they change: by guards, and where no guard of its mode holds by the Markov chain.
@@ -30,12 +32,16 @@ struct ModeBank {
   std::vector<Guard> guards{};
 };
 
-/// A bank over one prediction interval: what the filter runs on.
+/// A bank over one prediction interval: what the filter runs on. Of modes with trailing states f and q are what is seen
+/// of them in [x vx y vy] while nothing is known of these: bounds and plans of several scans take them.
 struct DiscreteBank {
   std::vector<StateMatrix> f;  ///< F_j
   std::vector<StateMatrix> q;  ///< Q_j
   Eigen::MatrixXd transition;  ///< M x M, rows sum to one
   std::vector<Guard> guards{};
+  std::vector<std::optional<TrailingMotion>> trailing{};  ///< of each mode; no elements where no mode has any
+  std::vector<Moved> from_rest{};  ///< of each such mode, from a zero state: of a linear motion its F and Q anywhere
+  double interval_s = 0.0;
 
   int size() const { return static_cast<int>(f.size()); }
 };

@@ -11,6 +11,40 @@ namespace {
 
 constexpr double kProbabilitySum = 1e-6;  // how far from one a row may be: printed probabilities are rounded
 
+/// A motion with trailing states; empty where the mode has none of them.
+std::optional<TrailingMotion> read_trailing_motion(FieldReader& in) {
+  if (in.has("constant_acceleration")) {
+    FieldReader motion = in.child("constant_acceleration");
+    ConstantAcceleration model{1.0};
+    motion.required("jerk_density");
+    if (motion.has("jerk_density")) motion.number("jerk_density", above(0.0, 1e12), 1.0, model.jerk_density);
+    motion.number("start_sigma_mps2", above(0.0, 1e6), 1.0, model.start_sigma_mps2);
+    return model;
+  }
+  if (in.has("singer")) {
+    FieldReader motion = in.child("singer");
+    Singer model{1.0, 1.0};
+    motion.required("sigma_mps2");
+    motion.required("time_constant_s");
+    if (motion.has("sigma_mps2")) motion.number("sigma_mps2", above(0.0, 1e6), 1.0, model.sigma_mps2);
+    if (motion.has("time_constant_s")) motion.number("time_constant_s", within(0.01, 1e6), 1.0, model.time_constant_s);
+    return model;
+  }
+  if (in.has("unknown_turn_rate")) {
+    FieldReader motion = in.child("unknown_turn_rate");
+    UnknownTurnRate model{1.0, 1.0};
+    motion.required("acceleration_density");
+    motion.required("rate_density");
+    if (motion.has("acceleration_density")) {
+      motion.number("acceleration_density", above(0.0, 1e12), 1.0, model.acceleration_density);
+    }
+    if (motion.has("rate_density")) motion.number("rate_density", above(0.0, 1e6), 1.0, model.rate_density);
+    motion.number("start_sigma_dps", above(0.0, 360.0), kDegree, model.start_sigma_radps);
+    return model;
+  }
+  return std::nullopt;
+}
+
 Mode read_mode(FieldReader in, Duration scan_period) {
   Mode mode;
   in.required("name");
@@ -25,6 +59,10 @@ Mode read_mode(FieldReader in, Duration scan_period) {
     } else {
       mode.motion = CoordinatedTurn{rate_radps};
     }
+  }
+  mode.trailing = read_trailing_motion(in);
+  if (mode.trailing && in.has("process_noise")) {
+    in.refuse("process_noise", "", "must not stand with a motion that has its own noise");
   }
   if (in.has("process_noise")) mode.noise = read_process_noise(in.child("process_noise"), scan_period);
   return mode;

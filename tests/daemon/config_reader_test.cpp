@@ -270,6 +270,16 @@ TEST(ConfigReader, TransitionRowsSumToOne) {
               HasSubstr("initial_probability = row 1 sums to 0.9"));
 }
 
+TEST(ConfigReader, ModesWithMoreStatesHaveTheirOwnNoiseAndAreNoTruth) {
+  const std::string singer = "mode { name: \"s\" singer { sigma_mps2: 5 time_constant_s: 20 } ";
+  EXPECT_EQ(bank(singer + "}"), "");
+  EXPECT_THAT(bank(singer + "process_noise { white_noise_acceleration: 1 } }"),
+              HasSubstr("process_noise: must not stand with a motion that has its own noise"));
+  EXPECT_THAT(bank("mode { name: \"s\" singer {} }"), HasSubstr("singer.sigma_mps2: is required"));
+  EXPECT_THAT(refusal_of(kRadar + "target { name: \"t\" jump_markov { bank { " + singer + "} } } }"),
+              HasSubstr("jump_markov.bank: must have modes of position and velocity alone"));
+}
+
 TEST(ConfigReader, GuardsAreCheckedAgainstTheirBank) {
   const auto guard = [](const std::string& fields) {
     return bank(kTwo + "transition: [1, 0, 0, 1] guard { " + fields + " }");

@@ -30,7 +30,7 @@ State normal_state(RandomStream& stream) {
 BootstrapFilter::BootstrapFilter(DiscreteBank bank, const Gaussian& start, const Eigen::VectorXd& probability,
                                  int particles, RandomStream stream)
     : bank_(std::move(bank)), stream_(stream) {
-  DWELL_ASSERT(particles >= 1 && bank_.guards.empty());
+  DWELL_ASSERT(particles >= 1 && bank_.guards.empty() && bank_.trailing.empty());
   for (const StateMatrix& q : bank_.q) noise_root_.push_back(root_of(q));
   const StateMatrix root = root_of(start.covariance);
   for (int i = 0; i < particles; ++i) {

@@ -16,7 +16,7 @@ namespace dwell {
 /// What is nonlinear in h is exact; where a plot is far sharper than the prediction few particles are near it, and the
 /// many that it takes are the method's limit. A plot is taken for the target's: association comes before.
 /// Deterministic: the same stream and the same calls give the same particles.
-/// Requires a bank without guards.
+/// Requires a bank without guards and trailing states.
 /// Cost     O(particles n^2) a prediction and an update.
 /// Source   Gordon, Salmond, Smith (1993), IEE Proc. F 140(2); with modes: Evans et al. (2005), IV-C.
 class BootstrapFilter {

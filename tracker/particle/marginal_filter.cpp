@@ -11,7 +11,7 @@ namespace dwell {
 MarginalFilter::MarginalFilter(DiscreteBank bank, const Gaussian& start, const Eigen::VectorXd& probability,
                                int particles, RandomStream stream)
     : bank_(std::move(bank)), particles_(static_cast<std::size_t>(particles)), stream_(stream) {
-  DWELL_ASSERT(particles >= 1 && bank_.guards.empty());
+  DWELL_ASSERT(particles >= 1 && bank_.guards.empty() && bank_.trailing.empty());
   for (int j = 0; j < bank_.size(); ++j) {
     if (probability[j] > 0.0) histories_.push_back({j, probability[j], start});
   }

@@ -18,7 +18,7 @@ namespace dwell {
 /// keeps `particles` by optimal resampling. While there are no more than that it is the exact Bayes filter of a linear
 /// sensor. A plot is taken for the target's: association comes before.
 /// Deterministic: the same stream and the same calls give the same particles.
-/// Requires a bank without guards.
+/// Requires a bank without guards and trailing states.
 /// Cost     O(particles modes n^3) an update.
 /// Source   Doucet, Gordon, Krishnamurthy (2001), IEEE T-SP 49(3); Fearnhead, Clifford (2003), J. R. Statist. Soc.
 /// B 65.
