@@ -61,16 +61,20 @@ void PredictedPaths::mix(std::size_t track, int scan) {
   const DiscreteBank& bank = *situation_->bank;
   const ModePlace* before = &mode_places_[place(track, scan - 1) * modes_];
   ModePlace* here = &mode_places_[place(track, scan) * modes_];
+  Eigen::MatrixXd guarded;
+  const bool has_guards = !bank.guards.empty() && situation_->tracks[track].alive();
+  if (has_guards) guarded = guarded_transition(track, scan - 1);
+  const Eigen::MatrixXd& transition = has_guards ? guarded : bank.transition;
   for (std::size_t j = 0; j < modes_; ++j) {
     const auto column = static_cast<Eigen::Index>(j);
     double c = 0.0;
     for (std::size_t i = 0; i < modes_; ++i) {
-      c += before[i].probability * bank.transition(static_cast<Eigen::Index>(i), column);
+      c += before[i].probability * transition(static_cast<Eigen::Index>(i), column);
     }
     double* weights = &mixing_[(place(track, scan) * modes_ + j) * modes_];
     State mixed = State::Zero();
     for (std::size_t i = 0; i < modes_; ++i) {
-      const double reached = before[i].probability * bank.transition(static_cast<Eigen::Index>(i), column);
+      const double reached = before[i].probability * transition(static_cast<Eigen::Index>(i), column);
       weights[i] = c > 0.0 ? reached / c : (i == j ? 1.0 : 0.0);
       mixed += weights[i] * before[i].mean;
     }
@@ -82,6 +86,16 @@ void PredictedPaths::mix(std::size_t track, int scan) {
     const StateMatrix& f = bank.f[j];
     here[j] = {f * mixed, c, symmetric_part(f * spread * f.transpose() + bank.q[j])};
   }
+}
+
+/// Of the modes as they are after `scan` without a look.
+Eigen::MatrixXd PredictedPaths::guarded_transition(std::size_t track, int scan) {
+  const StateMatrix* covariances = this->covariances(idle(track, scan));
+  std::vector<Gaussian> modes(modes_);
+  for (std::size_t j = 0; j < modes_; ++j) {
+    modes[j] = {mode_places_[place(track, scan) * modes_ + j].mean, covariances[j]};
+  }
+  return transition_at(*situation_->bank, modes);
 }
 
 void PredictedPaths::lay_looks(std::size_t track, int scan) {

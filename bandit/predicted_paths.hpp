@@ -9,8 +9,9 @@ namespace dwell {
 
 /// The covariances of tracks under plans of looks, before any of them is made.
 ///
-/// The path of a track is what its IMM predicts without a look: means x_j[k], probabilities c_j[k] by the chain alone,
-/// k = 0 now. On it the covariances of the modes move by a map that depends on nothing that will be measured:
+/// The path of a track is what its IMM predicts without a look: means x_j[k], probabilities c_j[k] by the chain and the
+/// guards alone, k = 0 now. On it the covariances of the modes move by a map that depends on nothing that will be
+/// measured:
 ///
 ///   predict   P_j <- F_j (sum_i mu_i|j P_i) F_j' + Qs_j,  Qs_j = F_j (sum_i mu_i|j d_ij d_ij') F_j' + Q_j
 ///   look      P_j <- p (I - K_j H_j) P_j + (1 - p) P_j    H_j at x_j[k], R and P_d at the combined mean, p = P_d F
@@ -19,6 +20,8 @@ namespace dwell {
 /// with mu_i|j the mixing probabilities, d_ij the means less their mixture (tracker/imm.hpp) and F the probability that
 /// a target not looked at until k is in the footprint (tracker/footprint.hpp). Both maps are monotone and concave:
 /// larger covariances lead to no smaller ones, and what holds of Riccati steps by that holds here.
+///
+/// Modes with trailing states (accelerations, a turn rate) are taken by what is seen of them, F and Q of DiscreteBank.
 ///
 /// An approximation. Of a linear Gaussian track with one mode it is exact. Of an IMM the cost of the first look is the
 /// exact first sum of ExpectedCost; left out are the spread of the means, which on the path is the same under every
@@ -114,6 +117,7 @@ class PredictedPaths {
   }
   void lay_track(std::size_t track);
   void mix(std::size_t track, int scan);
+  Eigen::MatrixXd guarded_transition(std::size_t track, int scan);
   void lay_looks(std::size_t track, int scan);
   void look_with_all(std::size_t track, int scan, double scale, StateMatrix* covariances) const;
   Belief make(Belief from, int choice);

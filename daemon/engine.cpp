@@ -413,8 +413,8 @@ void Engine::report_truth() {
     if (links_[i].target == TruthLink::kNoTarget) continue;
     const Target& target = targets_[links_[i].target];
     if (!tracks_[i].alive() || target.id != links_[i].id || !target.state) continue;
-    report_.truth.push_back(
-        {tracks_[i].id, links_[i].target, *target.state, target.trajectory->altitude_m(), target.trajectory->mode()});
+    report_.truth.push_back({tracks_[i].id, links_[i].target, *target.state, target.trajectory->altitude_m(),
+                             target.trajectory->mode(), target.id});
   }
 }
 

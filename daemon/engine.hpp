@@ -28,6 +28,7 @@ struct TruthReport {
   State state;
   double altitude_m = 0.0;
   std::optional<int> mode;
+  TargetId life;  ///< of the target: a repeated recording has one more each time
 };
 
 /// What happened in one scan. Valid until the next.
@@ -80,6 +81,8 @@ class Engine {
   const Calibrator& calibrator() const { return calibrator_; }
   /// The living tracks, and those lost at the last scan.
   std::span<const Track> tracks() const { return tracks_; }
+  /// Simulation only: the targets that are there now.
+  std::span<const TargetTruth> living_targets() const { return truth_; }
   /// As they are believed to be.
   std::span<const Sensor* const> sensors() const { return sensor_views_; }
   const SensorState& sensor_state(std::size_t sensor) const { return sensor_states_[sensor]; }

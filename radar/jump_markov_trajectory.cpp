@@ -44,7 +44,7 @@ std::optional<State> JumpMarkovTrajectory::advance(TimePoint time) {
 }
 
 void JumpMarkovTrajectory::step() {
-  mode_ = draw_index(system_.transition.row(mode_), stream_);
+  mode_ = next_mode();
   State draw;
   for (double& value : draw) value = stream_.normal();
   if (const auto rate = turn_back_rate()) {
@@ -56,6 +56,19 @@ void JumpMarkovTrajectory::step() {
   }
   const auto mode = static_cast<std::size_t>(mode_);
   state_ = system_.transition_matrix[mode] * state_ + system_.process_noise_root[mode] * draw;
+}
+
+int JumpMarkovTrajectory::next_mode() {
+  for (const Guard& guard : system_.guards) {
+    if (guard.from == mode_ && holds(guard)) return guard.to;
+  }
+  return draw_index(system_.transition.row(mode_), stream_);
+}
+
+bool JumpMarkovTrajectory::holds(const Guard& guard) {
+  Eigen::VectorXd draw(guard.b.size());
+  for (double& value : draw) value = stream_.normal();
+  return (guard.l * state_ + guard.b + guard.noise_root * draw).maxCoeff() <= 0.0;
 }
 
 /// The turn rate (counter-clockwise positive) while the target is outside its area and not yet heading within 60

@@ -2,16 +2,19 @@
 
 #include <vector>
 
+#include "radar/guard.hpp"
 #include "radar/random.hpp"
 #include "radar/trajectory.hpp"
 
 namespace dwell {
 
-/// A jump Markov linear system over one scan period: x' = F_r' x + L_r' w, r' drawn from row r of `transition`.
+/// A jump Markov linear system over one scan period: x' = F_r' x + L_r' w, r' that of the first guard of mode r that
+/// holds at x, and where none does drawn from row r of `transition`.
 struct JumpMarkovSystem {
   std::vector<StateMatrix> transition_matrix;   ///< F of each mode
   std::vector<StateMatrix> process_noise_root;  ///< L of each mode, L L' = Q
   Eigen::MatrixXd transition;                   ///< M x M, rows sum to one
+  std::vector<Guard> guards{};
 };
 
 /// Where a target turns back: outside the circle and still leaving, it turns left or right towards the centre. Where
@@ -47,6 +50,8 @@ class JumpMarkovTrajectory final : public Trajectory {
 
  private:
   void step();
+  int next_mode();
+  bool holds(const Guard& guard);
   std::optional<double> turn_back_rate() const;
 
   JumpMarkovSystem system_;

@@ -14,4 +14,7 @@ inline int scaled(int count) {
   return small ? std::max(1, count / 10) : count;
 }
 
+/// `full` in the long tests (./dev soak), `light` in the others: of a source that both have.
+inline int soaked(int full, int light) { return std::getenv("DWELL_SOAK") != nullptr ? full : light; }
+
 }  // namespace dwell

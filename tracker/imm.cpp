@@ -1,8 +1,10 @@
 #include "tracker/imm.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "radar/assert.hpp"
+#include "tracker/unlike_modes.hpp"
 
 namespace dwell {
 namespace {
@@ -32,11 +34,18 @@ Numerics predict(const DiscreteBank& bank, const ImmEstimate& estimate, ImmEstim
   DWELL_ASSERT(bank.size() == count && &estimate != &predicted);
   predicted.modes.resize(estimate.modes.size());
   predicted.probability.resize(count);
+  Eigen::MatrixXd guarded;
+  if (!bank.guards.empty()) {
+    if (!std::all_of(estimate.modes.begin(), estimate.modes.end(), is_finite)) return Numerics::kNotFinite;
+    guarded = transition_at(bank, estimate.modes);
+  }
+  const Eigen::MatrixXd& transition = bank.guards.empty() ? bank.transition : guarded;
+  if (!bank.trailing.empty()) return predict_unlike(bank, transition, estimate, predicted);
   for (int j = 0; j < count; ++j) {
-    const double c = estimate.probability.dot(bank.transition.col(j));
+    const double c = estimate.probability.dot(transition.col(j));
     const auto weight = [&](std::size_t i) {
       const auto index = static_cast<Eigen::Index>(i);
-      return estimate.probability[index] * bank.transition(index, j) / c;
+      return estimate.probability[index] * transition(index, j) / c;
     };
     const Gaussian mixed = c > 0.0 ? moment_match(estimate.modes, weight) : estimate.modes[j];
     const StateMatrix& f = bank.f[j];

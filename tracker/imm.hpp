@@ -13,6 +13,9 @@ namespace dwell {
 struct ImmEstimate {
   std::vector<Gaussian> modes;
   Eigen::VectorXd probability;
+  /// Of each mode, where the bank has modes with trailing states; no elements before the first prediction. Updates do
+  /// not touch them: tracker/trailing_states.hpp says why.
+  std::vector<Trailing> trailing{};
 
   int size() const { return static_cast<int>(modes.size()); }
 };
@@ -28,13 +31,14 @@ ImmEstimate make_estimate(const Gaussian& belief, const Eigen::VectorXd& probabi
 ///   x_j  = F_j x0_j                                P_j = F_j P0_j F_j' + Q_j
 ///
 /// `predicted.probability` is c. A mode that cannot be reached (c_j = 0) keeps its own estimate through F_j and Q_j:
-/// it weighs nothing.
+/// it weighs nothing. With guards Pi is `transition_at` the estimate. Modes of unlike
+/// states: tracker/unlike_modes.hpp.
 /// Shapes   M modes each side; `predicted` is given the shape of `estimate` (no allocation when it has it), and must
 ///          not be the same object.
 /// Units    SI, layout of radar/state.hpp.
 /// Requires probability >= 0 summing to one; rows of Pi summing to one.
 /// Errors   kNotFinite.
-/// Cost     O(M^2 n^2 + M n^3).
+/// Cost     O(M^2 n^2 + M n^3), and a Phi_v for each guard, which allocates.
 /// Source   Bar-Shalom, Li, Kirubarajan (2001), 11.6.6.
 Numerics predict(const DiscreteBank& bank, const ImmEstimate& estimate, ImmEstimate& predicted);
 

@@ -95,6 +95,9 @@ JumpMarkovMotion read_jump_markov(FieldReader& in, const EngineConfig& config) {
   const ModeBank bank = jump.has("bank") ? read_bank(jump.child("bank"), config.scan_period, config.bank) : config.bank;
   motion.initial_probability = bank.initial_probability;
   for (const Mode& mode : bank.modes) motion.mode_names.push_back(mode.name);
+  if (std::any_of(bank.modes.begin(), bank.modes.end(), [](const Mode& mode) { return mode.trailing.has_value(); })) {
+    jump.refuse("bank", "", "must have modes of position and velocity alone: the truth has no other states");
+  }
   if (jump.has("initial_mode")) {
     std::string name;
     jump.text("initial_mode", name);
@@ -113,6 +116,7 @@ JumpMarkovMotion read_jump_markov(FieldReader& in, const EngineConfig& config) {
   if (const auto discrete = discretise(bank, to_seconds(config.scan_period))) {
     motion.system.transition_matrix = discrete->f;
     motion.system.transition = discrete->transition;
+    motion.system.guards = discrete->guards;
     for (const StateMatrix& q : discrete->q) {
       motion.system.process_noise_root.push_back(without_noise ? StateMatrix::Zero() : root_of(q));
     }

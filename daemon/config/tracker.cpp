@@ -1,5 +1,8 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
+
+#include <Eigen/Eigenvalues>
 
 #include "daemon/config/sections.hpp"
 
@@ -7,6 +10,40 @@ namespace dwell {
 namespace {
 
 constexpr double kProbabilitySum = 1e-6;  // how far from one a row may be: printed probabilities are rounded
+
+/// A motion with trailing states; empty where the mode has none of them.
+std::optional<TrailingMotion> read_trailing_motion(FieldReader& in) {
+  if (in.has("constant_acceleration")) {
+    FieldReader motion = in.child("constant_acceleration");
+    ConstantAcceleration model{1.0};
+    motion.required("jerk_density");
+    if (motion.has("jerk_density")) motion.number("jerk_density", above(0.0, 1e12), 1.0, model.jerk_density);
+    motion.number("start_sigma_mps2", above(0.0, 1e6), 1.0, model.start_sigma_mps2);
+    return model;
+  }
+  if (in.has("singer")) {
+    FieldReader motion = in.child("singer");
+    Singer model{1.0, 1.0};
+    motion.required("sigma_mps2");
+    motion.required("time_constant_s");
+    if (motion.has("sigma_mps2")) motion.number("sigma_mps2", above(0.0, 1e6), 1.0, model.sigma_mps2);
+    if (motion.has("time_constant_s")) motion.number("time_constant_s", within(0.01, 1e6), 1.0, model.time_constant_s);
+    return model;
+  }
+  if (in.has("unknown_turn_rate")) {
+    FieldReader motion = in.child("unknown_turn_rate");
+    UnknownTurnRate model{1.0, 1.0};
+    motion.required("acceleration_density");
+    motion.required("rate_density");
+    if (motion.has("acceleration_density")) {
+      motion.number("acceleration_density", above(0.0, 1e12), 1.0, model.acceleration_density);
+    }
+    if (motion.has("rate_density")) motion.number("rate_density", above(0.0, 1e6), 1.0, model.rate_density);
+    motion.number("start_sigma_dps", above(0.0, 360.0), kDegree, model.start_sigma_radps);
+    return model;
+  }
+  return std::nullopt;
+}
 
 Mode read_mode(FieldReader in, Duration scan_period) {
   Mode mode;
@@ -23,6 +60,10 @@ Mode read_mode(FieldReader in, Duration scan_period) {
       mode.motion = CoordinatedTurn{rate_radps};
     }
   }
+  mode.trailing = read_trailing_motion(in);
+  if (mode.trailing && in.has("process_noise")) {
+    in.refuse("process_noise", "", "must not stand with a motion that has its own noise");
+  }
   if (in.has("process_noise")) mode.noise = read_process_noise(in.child("process_noise"), scan_period);
   return mode;
 }
@@ -34,6 +75,59 @@ void check_probabilities(FieldReader& in, const char* field, const Eigen::Matrix
       in.refuse(field, "row " + std::to_string(i + 1) + " sums to " + number_text(sum), "rows must sum to 1");
     }
   }
+}
+
+/// E with E E' = covariance; empty where that is not symmetric and positive semidefinite, to 1e-9 of its largest.
+std::optional<Eigen::MatrixXd> semidefinite_root(const Eigen::MatrixXd& covariance) {
+  const double rounding = 1e-9 * covariance.cwiseAbs().maxCoeff();
+  if ((covariance - covariance.transpose()).cwiseAbs().maxCoeff() > rounding) return std::nullopt;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(covariance);
+  if (solver.eigenvalues().minCoeff() < -rounding) return std::nullopt;
+  return solver.eigenvectors() * solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+}
+
+/// The number of the mode that the field names; 0, with a violation, where there is none.
+int read_mode_name(FieldReader& in, const char* field, const std::vector<Mode>& modes) {
+  std::string name;
+  in.required(field);
+  in.text(field, name);
+  const auto mode = std::find_if(modes.begin(), modes.end(), [&](const Mode& m) { return m.name == name; });
+  if (mode != modes.end()) return static_cast<int>(mode - modes.begin());
+  if (!name.empty()) in.refuse(field, in.value(field), "must be the name of a mode of the bank");
+  return 0;
+}
+
+Guard read_guard(FieldReader in, const std::vector<Mode>& modes) {
+  constexpr int kMostRows = 8;
+  Guard guard;
+  guard.from = read_mode_name(in, "from", modes);
+  guard.to = read_mode_name(in, "to", modes);
+  if (guard.from == guard.to && in.has("from") && in.value("from") == in.value("to")) {
+    in.refuse("to", in.value("to"), "must be another mode than from");
+  }
+  const int rows = in.count("b");
+  if (rows < 1 || rows > kMostRows) in.refuse("b", std::to_string(rows) + " values", "must have 1 to 8 values");
+  const auto l = in.numbers("l", within(-1e6, 1e6), {rows * kStateSize});
+  const auto b = in.numbers("b", within(-1e12, 1e12), {});
+  const auto noise = in.numbers("noise", variance(), {rows, rows * rows});
+  if (in.count("l") == 0) in.refuse("l", "", "is required: 4 values for each of b");
+  guard.l.setZero(rows, kStateSize);
+  guard.b.setZero(rows);
+  guard.noise_root.setZero(rows, rows);
+  if (!l.empty() && !b.empty()) {
+    guard.l = row_major<Eigen::MatrixXd>(l, rows, kStateSize);
+    guard.b = row_major<Eigen::VectorXd>(b, rows, 1);
+  }
+  if (noise.empty()) return guard;
+  const bool full = noise.size() > b.size();
+  const Eigen::MatrixXd covariance = full ? row_major<Eigen::MatrixXd>(noise, rows, rows)
+                                          : Eigen::MatrixXd(row_major<Eigen::VectorXd>(noise, rows, 1).asDiagonal());
+  if (const auto root = semidefinite_root(covariance)) {
+    guard.noise_root = *root;
+  } else {
+    in.refuse("noise", "", "must be symmetric and positive semidefinite");
+  }
+  return guard;
 }
 
 /// Modes, chain and start of a bank that is spelled out.
@@ -65,6 +159,9 @@ ModeBank read_modes(FieldReader& in, Duration scan_period) {
     bank.initial_probability /= bank.initial_probability.sum();
   }
   in.number("transition_interval_s", within(1e-3, 1e6), 1.0, bank.transition_interval_s);
+  for (int i = 0; i < in.count("guard"); ++i) {
+    bank.guards.push_back(read_guard(in.element("guard", i), bank.modes));
+  }
   return bank;
 }
 
@@ -106,7 +203,7 @@ ProcessNoise read_process_noise(FieldReader in, Duration scan_period) {
 ModeBank read_bank(FieldReader in, Duration scan_period, const ModeBank& fallback) {
   ModeBank bank = fallback;
   const bool spelled_out = in.count("mode") > 0;
-  const std::initializer_list<const char*> rest{"mode", "transition", "initial_probability"};
+  const std::initializer_list<const char*> rest{"mode", "transition", "initial_probability", "guard"};
   const bool has_rest = in.has("transition_interval_s") ||
                         std::any_of(rest.begin(), rest.end(), [&](const char* field) { return in.count(field) > 0; });
   if (in.has("name")) {

@@ -3,11 +3,16 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <optional>
 
 #include "daemon/calibration_loop.hpp"
 #include "radar/assert.hpp"
+#include "tracker/metrics/continuity.hpp"
+#include "tracker/metrics/mode_error.hpp"
 #include "tracker/metrics/nees.hpp"
+#include "tracker/metrics/nis.hpp"
+#include "tracker/metrics/track_loss.hpp"
 
 namespace dwell {
 namespace {
@@ -23,7 +28,13 @@ const std::vector<std::string> kTotals{"x_variance_m2",
                                        "mode_errors",
                                        "tracks_lost",
                                        "starvation_scans",
-                                       "cramer_rao_rms_m"};
+                                       "cramer_rao_rms_m",
+                                       "nis_in_band",
+                                       "tracks_off_beam",
+                                       "completeness",
+                                       "track_breaks",
+                                       "confirm_latency_s",
+                                       "false_tracks_per_h"};
 
 /// Sums of one target over the scans that count.
 struct TargetSums {
@@ -34,12 +45,15 @@ struct TargetSums {
   double squared_y = 0.0;
   double updates = 0.0;
   double nees = 0.0;
+  double nis_in_band = 0.0;
+  double off_beam = 0.0;  // tracks
   double mode_errors = 0.0;
   double bound = 0.0;
   double looks = 0.0;
   int starving = 0;    // scans since the last look
   int starvation = 0;  // the longest of them
   TrackId track;       // of the target's present life
+  TrackId off_beam_track;
   std::optional<CramerRaoBound> cramer_rao;
 };
 
@@ -98,12 +112,19 @@ class Measurer {
       weighted += track->weight * position_block(track->combined.covariance).trace();
     }
     if (counts) {
+      for (const TargetTruth& target : engine.living_targets()) {
+        const auto truth = std::find_if(report.truth.begin(), report.truth.end(),
+                                        [&](const TruthReport& of_track) { return of_track.life == target.id; });
+        lives_[target.id].add(report.time, truth == report.truth.end() ? std::nullopt : std::optional(truth->track));
+      }
+      false_ += static_cast<double>(engine.counts().tracks_false - false_before_);
       weighted_variance_ += weighted;
       ++scans_;
       for (const LookReport& look : report.looks) looks_[look.dwell.radar.number - 1] += 1.0;
       lost_ += static_cast<double>(engine.counts().tracks_lost - lost_before_);
     }
     lost_before_ = engine.counts().tracks_lost;
+    false_before_ = engine.counts().tracks_false;
     return sample;
   }
 
@@ -117,10 +138,21 @@ class Measurer {
       all.squared_y += target.squared_y;
       all.updates += target.updates;
       all.nees += target.nees;
+      all.nis_in_band += target.nis_in_band;
+      all.off_beam += target.off_beam;
       all.mode_errors += target.mode_errors;
       all.bound += target.bound;
       all.starvation = std::max(all.starvation, target.starvation);
     }
+    double present = 0.0, tracked = 0.0, breaks = 0.0, latency_s = 0.0, found = 0.0;
+    for (const auto& [id, life] : lives_) {
+      present += life.scans();
+      tracked += life.tracked();
+      breaks += life.breaks();
+      latency_s += life.latency_s().value_or(0.0);
+      found += life.latency_s() ? 1.0 : 0.0;
+    }
+    const double hours = scans_ * to_seconds(config_.scan_period) / 3600.0;
     const double scans = std::max(all.scans, 1.0);
     std::vector<double> figures{all.x_variance / scans,
                                 all.position_variance / scans,
@@ -133,7 +165,13 @@ class Measurer {
                                 all.mode_errors,
                                 lost_,
                                 static_cast<double>(all.starvation),
-                                std::sqrt(all.bound / scans)};
+                                std::sqrt(all.bound / scans),
+                                all.nis_in_band / std::max(all.updates, 1.0),
+                                all.off_beam,
+                                tracked / std::max(present, 1.0),
+                                breaks,
+                                latency_s / std::max(found, 1.0),
+                                hours > 0.0 ? false_ / hours : 0.0};
     DWELL_ASSERT(figures.size() == kTotals.size());
     figures.insert(figures.end(), looks_.begin(), looks_.end());
     for (const TargetSums& target : targets_) figures.push_back(target.looks);
@@ -169,7 +207,15 @@ class Measurer {
     if (truth.mode && mode_is_wrong(index, *truth.mode, track)) sums.mode_errors += 1.0;
     if (updated) {
       sums.nees += nees(truth.state, track.combined);
+      sums.nis_in_band += track.nis && kNisBand.contains(*track.nis) ? 1.0 : 0.0;
       sums.updates += 1.0;
+    }
+    for (const LookReport& look : engine.last().looks) {
+      if (look.dwell.track != track.id || sums.off_beam_track == track.id) continue;
+      const Sensor& sensor = *engine.sensors()[look.dwell.radar.number - 1];
+      if (!is_lost(sensor, truth.state, look.dwell.pointing, sensor.footprint_half_extent())) continue;
+      sums.off_beam += 1.0;
+      sums.off_beam_track = track.id;
     }
   }
 
@@ -201,11 +247,10 @@ class Measurer {
   }
 
   bool mode_is_wrong(std::size_t target, int true_mode, const Track& track) const {
-    Eigen::Index likeliest = 0;
-    track.estimate.probability.maxCoeff(&likeliest);
+    const auto likeliest = static_cast<std::size_t>(likeliest_mode(track.estimate));
     const auto* motion = std::get_if<JumpMarkovMotion>(&config_.targets[target].motion);
     const auto& names = motion->mode_names;
-    return config_.bank.modes[static_cast<std::size_t>(likeliest)].name != names[static_cast<std::size_t>(true_mode)];
+    return config_.bank.modes[likeliest].name != names[static_cast<std::size_t>(true_mode)];
   }
 
   const EngineConfig& config_;
@@ -213,8 +258,11 @@ class Measurer {
   DiscreteBank bank_;
   std::vector<TargetSums> targets_;
   std::vector<double> looks_;  // of each sensor
+  std::map<TargetId, Continuity> lives_;
   double lost_ = 0.0;
   std::uint64_t lost_before_ = 0;
+  double false_ = 0.0;
+  std::uint64_t false_before_ = 0;
   double weighted_variance_ = 0.0;
   double scans_ = 0.0;
 };

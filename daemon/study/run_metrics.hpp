@@ -45,6 +45,13 @@ struct RunResult {
 ///   cramer_rao_rms_m                      square root of the mean of the conditional bound's position trace; the
 ///                                         truth moves as scripted (legs known), by its true mode, or, where it is
 ///                                         recorded, by the bank's first mode
+///   nis_in_band                           share of the plots used whose NIS is in its 95 % band
+///   tracks_off_beam                       tracks that had a look whose footprint, pointed by them, was not on their
+///                                         target: the benchmarks' rule of loss
+///   completeness, track_breaks            share of the targets' scans with a track; how often a track of a living
+///                                         target ended
+///   confirm_latency_s                     from a target's first scan to its first track, mean over those found
+///   false_tracks_per_h
 ///   looks.radar.NAME, looks.track.NAME, position_rms_m.track.NAME
 std::vector<std::string> metric_names(const EngineConfig& config);
 

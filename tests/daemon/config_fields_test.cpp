@@ -43,6 +43,12 @@ std::vector<std::string> not_finite_and(std::initializer_list<const char*> more)
 const std::string kC = "c: [1, 0, 0, 0,  0, 0, 1, 0] ";
 const std::string kR = "r: [1, 0, 0, 1] ";
 const std::string kTwoModes = "tracker { bank { mode { name: \"a\" } mode { name: \"b\" } ";
+std::string guard(const std::string& fields) {
+  return top(kTwoModes + "transition: [1, 0, 0, 1] guard { from: \"a\" to: \"b\" " + fields + " } } }");
+}
+std::string one_mode(const std::string& motion) {
+  return top("tracker { bank { mode { name: \"a\" " + motion + " } } }");
+}
 const std::string kRecording = "recording { file: \"flights/flights.csv\" id: \"belevingsvlucht\" ";
 
 // clang-format off
@@ -234,6 +240,34 @@ const std::vector<Row> kRows{
    {"0.001", "2.5", "1e6"}},
   {"ModeBank.initial_probability", top(kTwoModes + "transition: [1, 0, 0, 1] initial_probability: [1, @] } }"),
    "tracker.bank.initial_probability", "must be in [0, 1]", not_finite_and({"-0.1", "1.1"}), {"0"}},
+  {"Guard.l", guard("l: [1, @, 0, 0] b: 1"), "tracker.bank.guard[1].l", "must be in [-1000000, 1000000]",
+   not_finite_and({"1000001"}), {"-1e6", "0", "1e6"}},
+  {"Guard.b", guard("l: [1, 0, 0, 0] b: @"), "tracker.bank.guard[1].b", "must be in [-1000000000000, 1000000000000]",
+   not_finite_and({"1000000000001"}), {"-1e12", "0", "1e12"}},
+  {"Guard.noise", guard("l: [1, 0, 0, 0] b: 1 noise: @"), "tracker.bank.guard[1].noise", "must be in [-1e+18, 1e+18]",
+   not_finite_and({"1.1e+18"}), {"0", "1e18"}},
+  {"ConstantAcceleration.jerk_density", one_mode("constant_acceleration { jerk_density: @ }"),
+   "tracker.bank.mode[1].constant_acceleration.jerk_density", "must be in (0, 1000000000000]",
+   not_finite_and({"0", "-1", "1000000000001"}), {"1e-9", "1e12"}},
+  {"ConstantAcceleration.start_sigma_mps2", one_mode("constant_acceleration { jerk_density: 1 start_sigma_mps2: @ }"),
+   "tracker.bank.mode[1].constant_acceleration.start_sigma_mps2", "must be in (0, 1000000]",
+   not_finite_and({"0", "-1", "1000001"}), {"1e-9", "1e6"}},
+  {"Singer.sigma_mps2", one_mode("singer { sigma_mps2: @ time_constant_s: 10 }"),
+   "tracker.bank.mode[1].singer.sigma_mps2", "must be in (0, 1000000]", not_finite_and({"0", "-1", "1000001"}),
+   {"1e-9", "1e6"}},
+  {"Singer.time_constant_s", one_mode("singer { sigma_mps2: 1 time_constant_s: @ }"),
+   "tracker.bank.mode[1].singer.time_constant_s", "must be in [0.01, 1000000]",
+   not_finite_and({"0", "-1", "1000001"}), {"0.01", "1e6"}},
+  {"UnknownTurnRate.acceleration_density", one_mode("unknown_turn_rate { acceleration_density: @ rate_density: 1 }"),
+   "tracker.bank.mode[1].unknown_turn_rate.acceleration_density", "must be in (0, 1000000000000]",
+   not_finite_and({"0", "-1", "1000000000001"}), {"1e-9", "1e12"}},
+  {"UnknownTurnRate.rate_density", one_mode("unknown_turn_rate { acceleration_density: 1 rate_density: @ }"),
+   "tracker.bank.mode[1].unknown_turn_rate.rate_density", "must be in (0, 1000000]",
+   not_finite_and({"0", "-1", "1000001"}), {"1e-9", "1e6"}},
+  {"UnknownTurnRate.start_sigma_dps",
+   one_mode("unknown_turn_rate { acceleration_density: 1 rate_density: 1 start_sigma_dps: @ }"),
+   "tracker.bank.mode[1].unknown_turn_rate.start_sigma_dps", "must be in (0, 360]",
+   not_finite_and({"0", "-1", "361"}), {"1e-9", "360"}},
   {"CoordinatedTurn.turn_rate_dps",
    top("tracker { bank { mode { name: \"a\" coordinated_turn { turn_rate_dps: @ } } } }"),
    "tracker.bank.mode[1].coordinated_turn.turn_rate_dps", "must be in [-360, 360]", not_finite_and({"361"}),

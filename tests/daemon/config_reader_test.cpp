@@ -270,6 +270,35 @@ TEST(ConfigReader, TransitionRowsSumToOne) {
               HasSubstr("initial_probability = row 1 sums to 0.9"));
 }
 
+TEST(ConfigReader, ModesWithMoreStatesHaveTheirOwnNoiseAndAreNoTruth) {
+  const std::string singer = "mode { name: \"s\" singer { sigma_mps2: 5 time_constant_s: 20 } ";
+  EXPECT_EQ(bank(singer + "}"), "");
+  EXPECT_THAT(bank(singer + "process_noise { white_noise_acceleration: 1 } }"),
+              HasSubstr("process_noise: must not stand with a motion that has its own noise"));
+  EXPECT_THAT(bank("mode { name: \"s\" singer {} }"), HasSubstr("singer.sigma_mps2: is required"));
+  EXPECT_THAT(refusal_of(kRadar + "target { name: \"t\" jump_markov { bank { " + singer + "} } } }"),
+              HasSubstr("jump_markov.bank: must have modes of position and velocity alone"));
+}
+
+TEST(ConfigReader, GuardsAreCheckedAgainstTheirBank) {
+  const auto guard = [](const std::string& fields) {
+    return bank(kTwo + "transition: [1, 0, 0, 1] guard { " + fields + " }");
+  };
+  const std::string names = "from: \"a\" to: \"b\" ";
+  EXPECT_EQ(guard(names + "l: [1, 0, 0, 0] b: 1"), "");
+  EXPECT_EQ(guard(names + "l: [1, 0, 0, 0,  0, 1, 0, 0] b: [1, 2] noise: [1, 1, 1, 1]"), "") << "of rank one";
+  EXPECT_THAT(guard("to: \"b\" l: [1, 0, 0, 0] b: 1"), HasSubstr("guard[1].from: is required"));
+  EXPECT_THAT(guard("from: \"c\" to: \"b\" l: [1, 0, 0, 0] b: 1"),
+              HasSubstr("guard[1].from = \"c\": must be the name of a mode of the bank"));
+  EXPECT_THAT(guard("from: \"b\" to: \"b\" l: [1, 0, 0, 0] b: 1"),
+              HasSubstr("guard[1].to = \"b\": must be another mode than from"));
+  EXPECT_THAT(guard(names + "l: [1, 0, 0, 0]"), HasSubstr("guard[1].b = 0 values: must have 1 to 8 values"));
+  EXPECT_THAT(guard(names + "b: 1"), HasSubstr("guard[1].l: is required: 4 values for each of b"));
+  EXPECT_THAT(guard(names + "l: [1, 0, 0, 0] b: [1, 2]"), HasSubstr("guard[1].l = 4 values: must have 8 values"));
+  EXPECT_THAT(guard(names + "l: [1, 0, 0, 0] b: 1 noise: -1"),
+              HasSubstr("guard[1].noise: must be symmetric and positive semidefinite"));
+}
+
 TEST(ConfigReader, ChainWithoutAGeneratorIsRefusedForOtherIntervals) {
   // It swaps the modes every second: no chain of continuous time does.
   const std::string swap = kTwo + "transition: [0, 1, 1, 0]";
@@ -295,7 +324,7 @@ TEST(ConfigReader, FieldsOfABankThatWouldBeIgnoredAreRefused) {
                             "modes and its chain"))
         << field;
   }
-  for (const std::string field : {"transition: 1", "initial_probability: 1", "transition_interval_s: 2"}) {
+  for (const std::string field : {"transition: 1", "initial_probability: 1", "transition_interval_s: 2", "guard {}"}) {
     EXPECT_THAT(lines_of(bank(field)),
                 ElementsAre("test:3:11: tracker.bank.mode: is required where the chain of a bank is given"))
         << field;

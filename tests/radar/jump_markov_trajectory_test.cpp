@@ -111,6 +111,46 @@ TEST(JumpMarkovTrajectory, SkippedScansAreFlownAllTheSame) {
   }
 }
 
+// East at 100 m/s; from 450 m on it turns, until it heads west. The scan that finds the guard holding is the first of
+// the new mode: at 5 s the target is at 500 m, and 6 s is the first second of the turn.
+TEST(JumpMarkovTrajectory, ChangesModeByItsGuards) {
+  JumpMarkovSystem system{
+      {turning(0.0, 1.0), turning(10.0 * kDegree, 1.0)}, {2, StateMatrix::Zero()}, Eigen::MatrixXd::Identity(2, 2), {}};
+  const Eigen::RowVector4d beyond(-1.0, 0.0, 0.0, 0.0);
+  system.guards.push_back({0, 1, beyond, Eigen::VectorXd::Constant(1, 450.0), Eigen::MatrixXd::Zero(1, 1)});
+  Eigen::Matrix<double, 2, 4> heading;
+  heading << 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0;
+  system.guards.push_back({1, 0, heading, Eigen::Vector2d(0.0, -1e-9), Eigen::MatrixXd::Zero(2, 2)});
+  JumpMarkovTrajectory trajectory(system, script_of(make_state({0.0, 0.0}, {100.0, 0.0})), RandomStream(1));
+  for (int second = 0; second <= 23; ++second) {
+    (void)trajectory.advance(at_s(second));
+    EXPECT_EQ(trajectory.mode(), second >= 6 ? 1 : 0) << second;
+  }
+  State x = *trajectory.advance(at_s(24.0));  // 18 steps of 10 degrees after 5 s: west, and at 450 m already
+  EXPECT_EQ(trajectory.mode(), 0);
+  EXPECT_NEAR(velocity(x).x(), -100.0, 1e-9);
+}
+
+// The threshold of a guard is drawn at every scan: a standing target is beyond it with Phi(1).
+TEST(JumpMarkovTrajectory, DrawsTheThresholdsOfItsGuards) {
+  JumpMarkovSystem system{
+      {2, StateMatrix::Identity()}, {2, StateMatrix::Zero()}, (Eigen::Matrix2d() << 1.0, 0.0, 1.0, 0.0).finished(), {}};
+  const Eigen::RowVector4d x_alone(1.0, 0.0, 0.0, 0.0);
+  system.guards.push_back({0, 1, x_alone, Eigen::VectorXd::Constant(1, -25.0), Eigen::MatrixXd::Constant(1, 1, 5.0)});
+  JumpMarkovTrajectory trajectory(system, script_of(make_state({20.0, 0.0}, {0.0, 0.0})), RandomStream(2));
+  const int trials = scaled(20'000);
+  int tried = 0;
+  int changed = 0;
+  (void)trajectory.advance(at_s(0.0));
+  for (int scan = 1; tried < trials; ++scan) {
+    const bool in_first = trajectory.mode() == 0;
+    (void)trajectory.advance(at_s(scan));
+    tried += in_first ? 1 : 0;
+    changed += in_first && trajectory.mode() == 1 ? 1 : 0;
+  }
+  EXPECT_TRUE(binomial_band(trials, statistics::normal_cdf(1.0)).contains(changed)) << changed;
+}
+
 // The first m jumps out of each mode are independent draws from its row, whatever the chain does between
 // them: exact binomial counts. Twin: the transposed matrix, columns taken for rows.
 TEST(JumpMarkovTrajectory, JumpsWithTheRowsOfItsTransitionMatrix) {

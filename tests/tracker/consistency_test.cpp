@@ -10,6 +10,7 @@
 #include "tests/tracker/catalogue.hpp"
 #include "tests/tracker/matrices.hpp"
 #include "tracker/metrics/nees.hpp"
+#include "tracker/metrics/nis.hpp"
 #include "tracker/tracker.hpp"
 
 /// Does the filter know how wrong it is? Truth is drawn from the model that the filter believes, so that at
@@ -35,6 +36,7 @@ struct Sums {
   double nees = 0.0;  ///< of the whole state at the last scan of each run
   double position_nees = 0.0;
   double nis = 0.0;  ///< of every plot
+  int nis_in_band = 0;
   int runs = 0;
   int plots = 0;
 };
@@ -60,6 +62,7 @@ void run_once(const Setting& setting, RandomStream& stream, Sums& sums) {
     (void)tracker.look(track, *setting.sensor, {RadarId{1}, TrackId{1}, time, track.combined.mean}, {&plot, 1});
     ASSERT_TRUE(track.nis);
     sums.nis += *track.nis;
+    sums.nis_in_band += kNisBand.contains(*track.nis) ? 1 : 0;
     ++sums.plots;
   }
   sums.nees += nees(truth, track.combined);
@@ -113,6 +116,17 @@ TEST(Consistency, LinearFilterHasChiSquareNisOverOneRun) {
   const Sums matched = run(setting, 1);
   record_means(matched);
   EXPECT_TRUE(nis_fits(matched)) << matched.nis / matched.plots;
+}
+
+// Each of these 20 000 independent NIS lies in its own 95 % band except once in twenty times.
+TEST(Consistency, NisIsInItsBandNineteenTimesOfTwenty) {
+  Setting setting = linear_setting(kDensity);
+  setting.scans = scaled(20000);
+  const Sums matched = run(setting, 1);
+  const statistics::Band share = statistics::binomial_band(matched.plots, 0.95);
+  EXPECT_TRUE(share.contains(matched.nis_in_band)) << matched.nis_in_band << " of " << matched.plots;
+  setting.believed_density = kDensity / 10.0;
+  EXPECT_FALSE(share.contains(run(setting, 1).nis_in_band));
 }
 
 TEST(Consistency, NisSeesATenthOfTheNoise) {

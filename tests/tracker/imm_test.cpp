@@ -321,6 +321,26 @@ TEST(Imm, UnreachableModeWeighsNothing) {
   EXPECT_TRUE(combine(estimate).covariance.allFinite());
 }
 
+// With guards the chain is that of the estimate's modes, each at its own Gaussian.
+TEST(Imm, GuardsMakeTheChainOfThePrediction) {
+  RandomStream stream(10);
+  DiscreteBank bank = random_bank(stream, 2);
+  const ImmEstimate before = random_estimate(stream, 2);
+  const Eigen::RowVector4d on_vx(0.0, 1.0, 0.0, 0.0);
+  const double at = before.modes[0].mean[kVx] + 10.0;
+  bank.guards.push_back({0, 1, on_vx, Eigen::VectorXd::Constant(1, -at), Eigen::MatrixXd::Zero(1, 1)});
+  DiscreteBank unguarded{bank.f, bank.q, transition_at(bank, before.modes), {}};
+  EXPECT_NE(unguarded.transition, bank.transition);
+  ImmEstimate guarded, expected;
+  ASSERT_EQ(predict(bank, before, guarded), Numerics::kOk);
+  ASSERT_EQ(predict(unguarded, before, expected), Numerics::kOk);
+  EXPECT_EQ(guarded.probability, expected.probability);
+  for (std::size_t j = 0; j < 2; ++j) EXPECT_EQ(guarded.modes[j].mean, expected.modes[j].mean);
+  ImmEstimate broken = before;
+  broken.modes[0].covariance(kVx, kVx) = kNan;
+  EXPECT_EQ(predict(bank, broken, guarded), Numerics::kNotFinite);
+}
+
 // Two modes d apart, S = 2 I: a plot on the first has a likelihood exp(d^2 / 4) times the second's. At d =
 // 2000 that is e to the 1e6, far beyond every double.
 TEST(Update, LikelihoodsMayDifferByAnyRatio) {

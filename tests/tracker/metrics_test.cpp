@@ -6,8 +6,13 @@
 #include <gtest/gtest.h>
 
 #include "radar/random.hpp"
+#include "radar/range_bearing_radar.hpp"
+#include "tracker/metrics/continuity.hpp"
 #include "tracker/metrics/gospa.hpp"
+#include "tracker/metrics/mode_error.hpp"
+#include "tracker/metrics/nis.hpp"
 #include "tracker/metrics/ospa.hpp"
+#include "tracker/metrics/track_loss.hpp"
 
 namespace dwell {
 namespace {
@@ -62,6 +67,49 @@ TEST(Ospa, ByHand) {
   EXPECT_DOUBLE_EQ(ospa(Points{{0, 0}}, Points{{3, 0}, {80, 0}}, 10.0), std::sqrt((9.0 + 100.0) / 2.0));
   EXPECT_DOUBLE_EQ(ospa(Points{{0, 0}}, Points{}, 10.0), 10.0);
   EXPECT_EQ(ospa(Points{}, Points{}, 10.0), 0.0);
+}
+
+TimePoint at_s(double seconds) { return kStreamStart + from_seconds(seconds); }
+
+// Found at its third scan, without a track at the sixth, another at the seventh, which becomes a third at the eighth.
+TEST(Continuity, CountsByHand) {
+  Continuity target;
+  const std::vector<std::uint32_t> tracks{0, 0, 4, 4, 4, 0, 5, 6, 6, 6};
+  for (std::size_t scan = 0; scan < tracks.size(); ++scan) {
+    const auto track = tracks[scan] == 0 ? std::nullopt : std::optional(TrackId{tracks[scan]});
+    target.add(at_s(10.0 + 2.0 * static_cast<double>(scan)), track);
+  }
+  EXPECT_EQ(target.scans(), 10);
+  EXPECT_EQ(target.tracked(), 7);
+  EXPECT_EQ(target.breaks(), 2);
+  EXPECT_EQ(target.latency_s(), 4.0);
+  Continuity unseen;
+  unseen.add(at_s(0.0), std::nullopt);
+  EXPECT_FALSE(unseen.latency_s());
+}
+
+// 10 km north: 100 m across are 10 mrad. The limit is a rectangle of range and azimuth.
+TEST(TrackLoss, IsByRangeOrAzimuth) {
+  const RangeBearingRadar radar(RadarFigures{});
+  const Vector2 limit(50.0, 0.01);
+  const auto lost = [&](double x, double y) {
+    return is_lost(radar, make_state({x, y}, {0, 0}), make_state({0.0, 10e3}, {0, 0}), limit);
+  };
+  EXPECT_FALSE(lost(99.0, 10e3));
+  EXPECT_TRUE(lost(101.0, 10e3));
+  EXPECT_FALSE(lost(0.0, 10.049e3));
+  EXPECT_TRUE(lost(0.0, 9.949e3));
+  EXPECT_TRUE(is_lost(radar, make_state({0.0, -10e3}, {0, 0}), make_state({0.0, 10e3}, {0, 0}), limit));
+}
+
+// The band is where an exponential variable of mean 2 lies but for 2.5 % on each side.
+TEST(Nis, BandHasNineteenTwentieths) {
+  EXPECT_NEAR(1.0 - std::exp(-0.5 * kNisBand.low), 0.025, 1e-15);
+  EXPECT_NEAR(std::exp(-0.5 * kNisBand.high), 0.025, 1e-15);
+}
+
+TEST(ModeError, TheLikeliestIsTheFirstAmongEquals) {
+  EXPECT_EQ(likeliest_mode(make_estimate({}, Eigen::Vector3d(.2, .4, .4))), 1);
 }
 
 // Both are metrics: symmetric, zero of a set and itself, and the triangle inequality, up to rounding.

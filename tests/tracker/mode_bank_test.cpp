@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "radar/frames.hpp"
+#include "tests/scale.hpp"
+#include "tests/statistics.hpp"
 #include "tests/tracker/catalogue.hpp"
 #include "tests/tracker/matrices.hpp"
 
@@ -144,6 +146,65 @@ TEST(Discretise, ChainWithoutAFractionIsEmpty) {
   bank.transition = matrix({{.1, .9}, {.9, .1}});
   EXPECT_FALSE(discretise(bank, 0.5));
   EXPECT_TRUE(discretise(bank, 2.0));
+}
+
+// --- guards
+
+/// From mode 0 to `to` where x <= at.
+Guard below(double at, int to, double sigma) {
+  Guard guard{0, to, Eigen::RowVector4d(1.0, 0.0, 0.0, 0.0), Eigen::VectorXd::Constant(1, -at),
+              Eigen::MatrixXd::Constant(1, 1, sigma)};
+  return guard;
+}
+
+DiscreteBank guarded_bank(std::vector<Guard> guards) {
+  const Eigen::MatrixXd chain = matrix({{.9, .1, 0}, {.2, .8, 0}, {0, .5, .5}});
+  return {std::vector<StateMatrix>(3, StateMatrix::Identity()), std::vector<StateMatrix>(3, StateMatrix::Zero()), chain,
+          std::move(guards)};
+}
+
+// x ~ N(8, 3^2) against a threshold N(10, 4^2): Phi(2 / 5), and the chain for the rest of the row alone.
+TEST(TransitionAt, IsTheGuardsProbabilityAndTheChainForTheRest) {
+  Gaussian belief;
+  belief.mean = make_state({8.0, 0.0}, {0.0, 0.0});
+  belief.covariance(kX, kX) = 9.0;
+  const Eigen::MatrixXd at = transition_at(guarded_bank({below(10.0, 2, 4.0)}), std::vector<Gaussian>(3, belief));
+  const double g = 0.5 * std::erfc(-0.4 / std::sqrt(2.0));
+  const Eigen::MatrixXd expected = matrix({{.9 * (1 - g), .1 * (1 - g), g}, {.2, .8, 0}, {0, .5, .5}});
+  EXPECT_TRUE(near(at, expected, kEpsilon));
+}
+
+// Without any uncertainty a guard holds or it does not; guards that overlap share the row.
+TEST(TransitionAt, CertainStates) {
+  const std::vector<Gaussian> here(3);  // x = 0, no covariance
+  EXPECT_EQ(transition_at(guarded_bank({below(1.0, 1, 0.0)}), here).row(0), Eigen::RowVector3d(0, 1, 0));
+  EXPECT_EQ(transition_at(guarded_bank({below(-1.0, 1, 0.0)}), here).row(0), Eigen::RowVector3d(.9, .1, 0));
+  EXPECT_EQ(transition_at(guarded_bank({below(1.0, 1, 0.0), below(2.0, 2, 0.0)}), here).row(0),
+            Eigen::RowVector3d(0, .5, .5));
+}
+
+// Two rows that share their threshold, of a covariance of full rank, against drawn states and thresholds.
+TEST(TransitionAt, EqualsTheShareOfDrawnStates) {
+  RandomStream stream(5);
+  const Gaussian belief = matrices::random_gaussian(stream);
+  Guard guard{0, 1, Eigen::MatrixXd::Zero(2, kStateSize), Eigen::VectorXd(2), Eigen::MatrixXd::Zero(2, 2)};
+  guard.l(0, kX) = guard.l(1, kVy) = 1.0;
+  guard.l(1, kX) = -0.5;
+  guard.b = -guard.l * belief.mean + Eigen::Vector2d(50.0, -200.0);
+  guard.noise_root.col(0) = Eigen::Vector2d(100.0, -60.0);
+  const int draws = scaled(100'000);
+  int held = 0;
+  const StateMatrix root = belief.covariance.llt().matrixL();
+  for (int i = 0; i < draws; ++i) {
+    const State x = belief.mean + root * matrices::normal_state(stream);
+    const Eigen::Vector2d e = guard.noise_root * Eigen::Vector2d(stream.normal(), stream.normal());
+    held += (guard.l * x + guard.b + e).maxCoeff() <= 0.0 ? 1 : 0;
+  }
+  DiscreteBank bank = guarded_bank({guard});
+  bank.transition.setIdentity();
+  const double p = transition_at(bank, std::vector<Gaussian>(3, belief))(0, 1);
+  EXPECT_TRUE(statistics::binomial_band(draws, p).contains(held)) << p << " " << held;
+  EXPECT_FALSE(statistics::binomial_band(draws, 0.9 * p).contains(held));
 }
 
 TEST(NamedBank, UnknownNameIsEmpty) {

@@ -1,0 +1,215 @@
+#include "tracker/fixed_lag.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <tuple>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "radar/random.hpp"
+#include "tests/scale.hpp"
+#include "tests/tracker/position_sensor.hpp"
+
+namespace dwell {
+namespace {
+
+constexpr Duration kPeriod = std::chrono::seconds(1);
+constexpr int kLag = 6;  // scans
+
+struct Arrived {
+  Dwell dwell;
+  std::vector<Plot> plots;
+};
+
+/// Two radars that look at a target in every scan or in every second, see it nine times out of ten, and false plots.
+struct World {
+  World() {
+    RandomStream stream(1);
+    const StateMatrix f = transition(ConstantVelocity{}, 1.0);
+    for (int scan = 1; scan <= kScans; ++scan) {
+      truth = f * truth;
+      for (std::uint32_t radar = 1; radar <= 2; ++radar) {
+        if (radar == 2 && scan % 2 == 0) continue;
+        const TimePoint time = kStreamStart + scan * kPeriod;
+        Arrived look{{RadarId{radar}, TrackId{1}, time, truth}, {}};
+        if (stream.uniform() < 0.9) add(look, position(truth) + 20.0 * Vector2(stream.normal(), stream.normal()));
+        for (int k = stream.poisson(1.0); k > 0; --k) {
+          add(look, position(truth) + Vector2(stream.uniform(-300.0, 300.0), stream.uniform(-300.0, 300.0)));
+        }
+        looks.push_back(look);
+      }
+    }
+  }
+
+  static void add(Arrived& look, const Vector2& z) {
+    look.plots.push_back({look.dwell.time, look.dwell.radar, z, std::nullopt});
+  }
+
+  FixedLag start(Tracker& tracker, int lag = kLag) const {
+    const Gaussian belief{make_state({0.0, 0.0}, {90.0, 10.0}), State(1e4, 400.0, 1e4, 400.0).asDiagonal()};
+    return {tracker, tracker.start(TrackId{1}, "one", belief), kStreamStart, kPeriod, lag * kPeriod};
+  }
+
+  static constexpr int kScans = 10;
+  PositionSensor sensor{400.0 * Matrix2::Identity(), 0.9, 1.0 / (600.0 * 600.0), 300.0};
+  State truth = make_state({0.0, 0.0}, {100.0, 0.0});
+  std::vector<Arrived> looks;
+};
+
+Tracker tracker_with(Association association) {
+  const ModeBank bank = *named_bank("cruise_and_turn");
+  TrackerSettings settings;
+  settings.association = association;
+  return {*discretise(bank, 1.0), bank.initial_probability, settings};
+}
+
+/// Every bit of the belief, and what is counted beside it.
+bool same(const Track& a, const Track& b) {
+  bool equal = a.estimate.probability == b.estimate.probability && a.status == b.status && a.nis == b.nis &&
+               a.existence == b.existence && a.rejections == b.rejections && a.last_look == b.last_look &&
+               a.last_radar == b.last_radar && a.age_scans == b.age_scans && a.unseen_scans == b.unseen_scans &&
+               a.log_miss_probability == b.log_miss_probability;
+  for (std::size_t j = 0; j < a.estimate.modes.size(); ++j) {
+    const Gaussian& one = a.estimate.modes[j];
+    const Gaussian& other = b.estimate.modes[j];
+    equal = equal && std::memcmp(one.mean.data(), other.mean.data(), sizeof(State)) == 0 &&
+            std::memcmp(one.covariance.data(), other.covariance.data(), sizeof(StateMatrix)) == 0;
+  }
+  return equal;
+}
+
+class FixedLagOf : public testing::TestWithParam<Association> {};
+
+INSTANTIATE_TEST_SUITE_P(Associations, FixedLagOf,
+                         testing::Values(Association::kNearest, Association::kPda, Association::kIpda));
+
+// Each look late by 0 .. 6 scans, plots and looks that arrive in one scan in any order: 10^4 orders.
+TEST_P(FixedLagOf, AnyOrderWithinTheLagIsTheOrderOfTime) {
+  World world;
+  Tracker tracker = tracker_with(GetParam());
+  Track expected = world.start(tracker).track();
+  std::size_t next = 0;
+  for (int scan = 1; scan <= World::kScans + kLag; ++scan) {
+    tracker.predict(expected);
+    for (; next < world.looks.size() && world.looks[next].dwell.time == kStreamStart + scan * kPeriod; ++next) {
+      auto plots = world.looks[next].plots;
+      std::sort(plots.begin(), plots.end(), [](const Plot& a, const Plot& b) { return a.z.x() < b.z.x(); });
+      (void)tracker.look(expected, world.sensor, world.looks[next].dwell, plots);
+    }
+  }
+  ASSERT_TRUE(expected.alive());
+  RandomStream stream(2);
+  const int orders = scaled(10'000);
+  int late = 0;
+  for (int order = 0; order < orders; ++order) {
+    struct Due {
+      int scan;
+      double turn;
+      std::size_t look;
+    };
+    std::vector<Due> due;
+    for (std::size_t i = 0; i < world.looks.size(); ++i) {
+      const int made = static_cast<int>((world.looks[i].dwell.time - kStreamStart) / kPeriod);
+      due.push_back({made + static_cast<int>(stream.bits() % (kLag + 1)), stream.uniform(), i});
+      late += due.back().scan > made ? 1 : 0;
+    }
+    std::sort(due.begin(), due.end(),
+              [](const Due& a, const Due& b) { return std::tie(a.scan, a.turn) < std::tie(b.scan, b.turn); });
+    FixedLag lagged = world.start(tracker);
+    auto arriving = due.begin();
+    for (int scan = 1; scan <= World::kScans + kLag; ++scan) {
+      lagged.advance();
+      for (; arriving != due.end() && arriving->scan == scan; ++arriving) {
+        Arrived look = world.looks[arriving->look];
+        if (look.plots.size() > 1) std::swap(look.plots.front(), look.plots[stream.bits() % look.plots.size()]);
+        ASSERT_EQ(lagged.look(world.sensor, look.dwell, look.plots), FixedLag::Arrival::kUsed);
+      }
+    }
+    ASSERT_TRUE(same(lagged.track(), expected)) << "order " << order;
+    ASSERT_EQ(lagged.counts().too_late + lagged.counts().duplicates, 0U);
+  }
+  EXPECT_GT(late, orders * static_cast<int>(world.looks.size()) / 2);
+}
+
+// All looks by two networks, the second up to the lag later, and one plot of a look ahead of the others.
+TEST_P(FixedLagOf, DuplicatesCountOnce) {
+  World world;
+  Tracker tracker = tracker_with(GetParam());
+  FixedLag once = world.start(tracker);
+  FixedLag twice = world.start(tracker);
+  std::uint64_t plots = 0;
+  for (int scan = 1; scan <= World::kScans; ++scan) {
+    once.advance();
+    twice.advance();
+    for (const Arrived& look : world.looks) {
+      if (look.dwell.time == once.time()) {
+        (void)once.look(world.sensor, look.dwell, look.plots);
+        if (!look.plots.empty()) (void)twice.look(world.sensor, look.dwell, {&look.plots.back(), 1});
+        const auto arrival = look.plots.size() == 1 ? FixedLag::Arrival::kDuplicate : FixedLag::Arrival::kUsed;
+        EXPECT_EQ(twice.look(world.sensor, look.dwell, look.plots), arrival);
+        plots += look.plots.empty() ? 0 : 1;
+      }
+      if (look.dwell.time == once.time() - 3 * kPeriod) {
+        EXPECT_EQ(twice.look(world.sensor, look.dwell, look.plots), FixedLag::Arrival::kDuplicate);
+        plots += look.plots.size();
+      }
+    }
+  }
+  EXPECT_TRUE(same(once.track(), twice.track()));
+  EXPECT_EQ(twice.counts().duplicates, plots);
+  EXPECT_EQ(once.counts().duplicates, 0U);
+}
+
+// At the lag a look still counts; a scan later it is dropped, and the track is as if it had never been.
+TEST(FixedLag, LooksOlderThanTheLagAreDroppedAndCounted) {
+  World world;
+  Tracker tracker = tracker_with(Association::kNearest);
+  const Dwell dwell{RadarId{1}, TrackId{1}, kStreamStart + kPeriod, world.truth};
+  const std::vector<Plot> plots(1, {dwell.time, dwell.radar, Vector2(95.0, 10.0), std::nullopt});
+  for (const int late : {kLag, kLag + 1}) {
+    FixedLag lagged = world.start(tracker);
+    for (int scan = 1; scan <= 1 + late; ++scan) lagged.advance();
+    const Track without = lagged.track();
+    const bool dropped = late > kLag;
+    EXPECT_EQ(lagged.look(world.sensor, dwell, plots),
+              dropped ? FixedLag::Arrival::kTooLate : FixedLag::Arrival::kUsed);
+    EXPECT_EQ(lagged.counts().too_late, dropped ? 1U : 0U);
+    EXPECT_EQ(same(lagged.track(), without), dropped);
+  }
+}
+
+// Eight misses lose the track; the plots of the first of them, late, keep it alive.
+TEST(FixedLag, ALostTrackLivesAgainByLatePlots) {
+  World world;
+  Tracker tracker = tracker_with(Association::kNearest);
+  FixedLag lagged = world.start(tracker, 10);
+  std::vector<Dwell> looks;
+  for (int scan = 1; scan <= 8; ++scan) {
+    lagged.advance();
+    looks.push_back({RadarId{1}, TrackId{1}, lagged.time(), lagged.track().combined.mean});
+    (void)lagged.look(world.sensor, looks.back(), {});
+  }
+  EXPECT_FALSE(lagged.track().alive());
+  lagged.advance();
+  const Plot plot{looks[4].time, RadarId{1}, Vector2(480.0, 20.0), std::nullopt};
+  EXPECT_EQ(lagged.look(world.sensor, looks[4], {&plot, 1}), FixedLag::Arrival::kUsed);
+  EXPECT_TRUE(lagged.track().alive());
+}
+
+TEST(FixedLag, PlotsThatAreNotFiniteArePassedOver) {
+  World world;
+  Tracker tracker = tracker_with(Association::kNearest);
+  FixedLag lagged = world.start(tracker);
+  lagged.advance();
+  const Dwell dwell{RadarId{1}, TrackId{1}, lagged.time(), world.truth};
+  std::vector<Plot> plots(
+      2, {dwell.time, dwell.radar, Vector2(std::numeric_limits<double>::infinity(), 0.0), std::nullopt});
+  plots[1].z = Vector2(std::numeric_limits<double>::quiet_NaN(), 0.0);
+  EXPECT_EQ(lagged.look(world.sensor, dwell, plots), FixedLag::Arrival::kUsed);
+  EXPECT_TRUE(lagged.track().combined.mean.allFinite());
+}
+
+}  // namespace
+}  // namespace dwell

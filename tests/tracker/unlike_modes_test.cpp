@@ -1,0 +1,236 @@
+#include "tracker/unlike_modes.hpp"
+
+#include <cmath>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <Eigen/Eigenvalues>
+
+#include "tests/scale.hpp"
+#include "tests/statistics.hpp"
+#include "tests/tracker/matrices.hpp"
+#include "tests/tracker/position_sensor.hpp"
+#include "tracker/measurement.hpp"
+
+namespace dwell {
+namespace {
+
+using matrices::kEpsilon;
+using matrices::near;
+
+struct NamedTrailing {
+  std::string name;
+  TrailingMotion motion;
+  friend void PrintTo(const NamedTrailing& row, std::ostream* out) { *out << row.name; }
+};
+
+static_assert(std::variant_size_v<TrailingMotion> == 3, "a new motion needs a row below");
+std::vector<NamedTrailing> every_linear() {
+  return {{"constant_acceleration", ConstantAcceleration{2.0}},
+          {"singer", Singer{10.0, 20.0}},
+          {"singer_short", Singer{10.0, 0.3}},
+          {"singer_long", Singer{10.0, 1e4}}};
+}
+std::vector<NamedTrailing> every_trailing() {
+  auto rows = every_linear();
+  rows.push_back({"unknown_turn_rate", UnknownTurnRate{1.0, 1e-4}});
+  return rows;
+}
+
+FullState some_state(double rate) {
+  FullState x;
+  x << 1e3, 150.0, -2e3, 80.0, rate, 0.0;
+  return x;
+}
+
+class LinearLaw : public testing::TestWithParam<NamedTrailing> {};
+INSTANTIATE_TEST_SUITE_P(Every, LinearLaw, testing::ValuesIn(every_linear()),
+                         [](const auto& row) { return row.param.name; });
+
+// F(a + b) = F(b) F(a) and Q(a + b) = F(b) Q(a) F(b)' + Q(b): the series, the closed form and the quadrature agree to
+// some tens of eps of the largest terms.
+TEST_P(LinearLaw, IntervalsCompose) {
+  for (const double a : {0.0, 0.125, 1.0, 3.5}) {
+    for (const double b : {0.25, 1.0, 10.0}) {
+      const FullState x = some_state(3.0);
+      const Moved first = move(GetParam().motion, a, x);
+      const Moved second = move(GetParam().motion, b, first.mean);
+      const Moved both = move(GetParam().motion, a + b, x);
+      EXPECT_TRUE(near(second.f * first.f, both.f, 64.0 * kEpsilon * (second.f.cwiseAbs() * first.f.cwiseAbs())));
+      const FullMatrix q = second.f * first.q * second.f.transpose() + second.q;
+      const FullState sigma = both.q.diagonal().cwiseSqrt();
+      EXPECT_TRUE(near(q, both.q, 1e-12 * FullMatrix(sigma * sigma.transpose()))) << a << " " << b;
+      EXPECT_TRUE(near(second.mean, both.mean, 1e-12 * both.mean.cwiseAbs().maxCoeff()));
+    }
+  }
+}
+
+// q [T^5/20 T^4/8 T^3/6; . T^3/3 T^2/2; . . T]: Bar-Shalom, Li, Kirubarajan (2001), 6.2.3.
+TEST(ConstantAcceleration, NoiseAsInTheBook) {
+  const double t = 3.0;
+  const Moved moved = move(ConstantAcceleration{2.0}, t, some_state(1.0));
+  const auto axis = [&](int i, int j) {
+    return moved.q(std::vector<int>{kX, kVx, 4}[static_cast<std::size_t>(i)],
+                   std::vector<int>{kX, kVx, 4}[static_cast<std::size_t>(j)]);
+  };
+  EXPECT_NEAR(axis(0, 0), 2.0 * std::pow(t, 5) / 20.0, 1e-12);
+  EXPECT_NEAR(axis(0, 1), 2.0 * std::pow(t, 4) / 8.0, 1e-12);
+  EXPECT_NEAR(axis(0, 2), 2.0 * std::pow(t, 3) / 6.0, 1e-12);
+  EXPECT_NEAR(axis(1, 1), 2.0 * std::pow(t, 3) / 3.0, 1e-12);
+  EXPECT_NEAR(axis(1, 2), 2.0 * std::pow(t, 2) / 2.0, 1e-12);
+  EXPECT_NEAR(axis(2, 2), 2.0 * t, 1e-12);
+  EXPECT_EQ(moved.f(kX, 4), 0.5 * t * t);
+}
+
+// The acceleration is stationary: sigma^2 e^-2T/tau of what was and sigma^2 (1 - e^-2T/tau) that is new.
+TEST(Singer, AccelerationIsStationary) {
+  for (const double t : {0.01, 1.0, 40.0}) {
+    const Moved moved = move(Singer{5.0, 20.0}, t, some_state(1.0));
+    EXPECT_NEAR(moved.q(4, 4), 25.0 * -std::expm1(-2.0 * t / 20.0), 1e-13);
+    EXPECT_NEAR(moved.f(4, 4), std::exp(-t / 20.0), kEpsilon);
+  }
+}
+
+// Against central differences, step 1e-4 of each element's size: their error is of the order of 1e-8 of the slope.
+TEST(UnknownTurnRate, JacobianEqualsDifferences) {
+  const UnknownTurnRate motion{1.0, 1e-4};
+  for (const double rate : {0.0, 1e-10, 1e-6, 9e-4, 1.1e-3, 0.05, -0.3, 2.0}) {
+    const FullState x = some_state(rate);
+    const Moved moved = move(motion, 1.0, x);
+    for (int i = 0; i < kStateSize + 1; ++i) {
+      const double step = i < kStateSize ? 1e-2 : 1e-4;
+      FullState high = x, low = x;
+      high[i] += step;
+      low[i] -= step;
+      const FullState slope = (move(motion, 1.0, high).mean - move(motion, 1.0, low).mean) / (2.0 * step);
+      EXPECT_TRUE(near(moved.f.col(i), slope, 1e-6 * (1.0 + slope.cwiseAbs().maxCoeff()))) << rate << " " << i;
+    }
+  }
+}
+
+// A quarter circle: what CoordinatedTurn makes of a known rate.
+TEST(UnknownTurnRate, MeanIsTheTurnAtItsRate) {
+  const FullState x = some_state(0.2);
+  const State expected = transition(CoordinatedTurn{0.2}, 3.0) * State(x.head<kStateSize>());
+  EXPECT_EQ(move(UnknownTurnRate{1.0, 1e-4}, 3.0, x).mean.head<kStateSize>(), expected);
+}
+
+DiscreteBank bank_of(const std::vector<Mode>& modes, const Eigen::MatrixXd& chain, double dt_s) {
+  return *discretise({modes, chain, dt_s, Eigen::VectorXd::Ones(std::ssize(modes)), {}}, dt_s);
+}
+
+Mode mode_of(const TrailingMotion& motion) { return {"m", ConstantVelocity{}, NoProcessNoise{}, motion}; }
+
+// One mode through the IMM against a Kalman filter of six states written out: 200 looks. Kept as e given x, the
+// acceleration needs no update, and this is where that is proved.
+TEST(UnlikeModes, OneModeIsTheKalmanFilterOfSixStates) {
+  RandomStream stream(1);
+  for (const NamedTrailing& row : every_linear()) {
+    const DiscreteBank bank = bank_of({mode_of(row.motion)}, Eigen::MatrixXd::Ones(1, 1), 1.0);
+    ImmEstimate estimate =
+        make_estimate({State(0, 100, 0, -50), State(1e4, 1e2, 1e4, 1e2).asDiagonal()}, Eigen::VectorXd::Ones(1));
+    ImmEstimate predicted;
+    FullState x = FullState::Zero();
+    x.head<kStateSize>() = estimate.modes[0].mean;
+    FullMatrix p = FullMatrix::Zero();
+    p.topLeftCorner<kStateSize, kStateSize>() = estimate.modes[0].covariance;
+    p.bottomRightCorner<2, 2>() = start_covariance(row.motion);
+    Eigen::Matrix<double, 2, kMostStates> h = Eigen::Matrix<double, 2, kMostStates>::Zero();
+    h(0, kX) = h(1, kY) = 1.0;
+    const PositionSensor sensor(400.0 * Matrix2::Identity(), 1.0, 0.0);
+    std::vector<PredictedMeasurement> measurements;
+    for (int k = 0; k < 200; ++k) {
+      const Vector2 z(100.0 * k + 20.0 * stream.normal(), 3.0 * k * k + 20.0 * stream.normal());
+      ASSERT_EQ(predict(bank, estimate, predicted), Numerics::kOk);
+      std::swap(estimate, predicted);
+      ASSERT_EQ(predict_measurements(sensor, UpdateForm::kEkf, estimate, measurements), Numerics::kOk);
+      ASSERT_EQ(update(measurements, std::vector<Vector2>{z - measurements[0].z}, estimate), Numerics::kOk);
+      const Moved moved = move(row.motion, 1.0, x);
+      p = moved.f * p * moved.f.transpose() + moved.q;
+      const Eigen::Matrix<double, kMostStates, 2> gain =
+          p * h.transpose() * (h * p * h.transpose() + 400.0 * Matrix2::Identity()).inverse();
+      x = moved.mean + gain * (z - h * moved.mean);
+      p = (p - gain * h * p).eval();
+      const FullGaussian ours = join(estimate.modes[0], estimate.trailing[0]);
+      const FullState sigma = p.diagonal().cwiseSqrt();
+      ASSERT_TRUE(near(ours.mean, x, 1e-9 * (sigma + x.cwiseAbs()))) << row.name << " " << k;
+      ASSERT_TRUE(near(ours.covariance, p, 1e-9 * FullMatrix(sigma * sigma.transpose()))) << row.name << " " << k;
+    }
+  }
+}
+
+// A mode of nearly constant velocity has no acceleration to mix in: that of the other stays what it is, mean and
+// covariance, before it moves. Of one kind they mix.
+TEST(UnlikeModes, WhatAModeLacksItDoesNotPull) {
+  const Eigen::Matrix2d even = Eigen::Matrix2d::Constant(0.5);
+  const auto mixed = [&](const Mode& other) {
+    const DiscreteBank bank = bank_of({other, mode_of(ConstantAcceleration{0.0})}, even, 1.0);
+    ImmEstimate estimate = make_estimate({State::Zero(), StateMatrix::Identity()}, Eigen::Vector2d(0.5, 0.5));
+    estimate.trailing.resize(2);
+    estimate.trailing[1].a = Vector2(20.0, -10.0);
+    estimate.trailing[1].c = 4.0 * Matrix2::Identity();
+    ImmEstimate predicted;
+    EXPECT_EQ(predict(bank, estimate, predicted), Numerics::kOk);
+    return join(predicted.modes[1], predicted.trailing[1]);
+  };
+  const FullGaussian alone = mixed({"cv", ConstantVelocity{}, NoProcessNoise{}, std::nullopt});
+  EXPECT_TRUE(near(alone.mean.tail<2>(), Vector2(20.0, -10.0), 1e-12));
+  EXPECT_TRUE(near(alone.covariance.bottomRightCorner<2, 2>(), 4.0 * Matrix2::Identity(), 1e-12));
+  const FullGaussian both = mixed(mode_of(ConstantAcceleration{0.0}));
+  EXPECT_TRUE(near(both.mean.tail<2>(), Vector2(10.0, -5.0), 1e-12));
+  EXPECT_NEAR(both.covariance(4, 4), 0.5 * (0.0 + 4.0) + 100.0, 1e-12);
+}
+
+// Without trailing states an estimate is at the start: the acceleration's variance spreads into the velocity's.
+TEST(UnlikeModes, StartsWithTheStartCovariance) {
+  const DiscreteBank bank = bank_of({mode_of(Singer{3.0, 1e9})}, Eigen::MatrixXd::Ones(1, 1), 2.0);
+  ImmEstimate predicted;
+  ASSERT_EQ(predict(bank, make_estimate({State::Zero(), StateMatrix::Identity()}, Eigen::VectorXd::Ones(1)), predicted),
+            Numerics::kOk);
+  EXPECT_NEAR(predicted.modes[0].covariance(kVx, kVx), 1.0 + 4.0 * 9.0, 1e-6);
+}
+
+// All motions in one bank, over many looks of changing quality and intervals: every covariance symmetric and positive
+// definite, what is kept of the trailing states positive semidefinite to rounding, probabilities summing to one.
+TEST(UnlikeModes, StayPositiveDefinite) {
+  RandomStream stream(5);
+  std::vector<Mode> modes{{"cv", ConstantVelocity{}, WhiteNoiseAcceleration{0.1}, std::nullopt}};
+  for (const NamedTrailing& row : every_trailing()) modes.push_back(mode_of(row.motion));
+  const auto count = static_cast<int>(modes.size());
+  std::vector<DiscreteBank> banks;
+  const Eigen::MatrixXd chain = matrices::random_chain(stream, count);
+  for (const double dt_s : {0.01, 0.3, 1.0, 4.0, 10.0}) banks.push_back(bank_of(modes, chain, dt_s));
+  ImmEstimate estimate, predicted;
+  std::vector<PredictedMeasurement> measurements;
+  const int cycles = scaled(50'000);
+  for (int k = 0; k < cycles; ++k) {
+    if (k % 200 == 0) {
+      estimate = make_estimate(matrices::random_gaussian(stream), Eigen::VectorXd::Constant(count, 1.0 / count));
+    }
+    ASSERT_EQ(predict(banks[stream.bits() % banks.size()], estimate, predicted), Numerics::kOk) << k;
+    std::swap(estimate, predicted);
+    const double r = std::pow(10.0, stream.uniform(-2.0, 6.0));
+    const PositionSensor sensor(r * Matrix2::Identity(), 1.0, 0.0);
+    ASSERT_EQ(predict_measurements(sensor, UpdateForm::kEkf, estimate, measurements), Numerics::kOk) << k;
+    const std::size_t from = stream.bits() % modes.size();
+    const Vector2 z =
+        measurements[from].z + measurements[from].s_root.matrixL() * Vector2(stream.normal(), stream.normal());
+    std::vector<Vector2> innovations;
+    for (const PredictedMeasurement& mode : measurements) innovations.push_back(z - mode.z);
+    ASSERT_EQ(update(measurements, innovations, estimate), Numerics::kOk) << k;
+    ASSERT_NEAR(estimate.probability.sum(), 1.0, 1e-12);
+    for (std::size_t j = 0; j < modes.size(); ++j) {
+      ASSERT_EQ(estimate.modes[j].covariance, estimate.modes[j].covariance.transpose());
+      ASSERT_GT(matrices::smallest_pivot(estimate.modes[j].covariance), 0.0) << k << " " << j;
+      const FullGaussian full = join(estimate.modes[j], estimate.trailing[j]);
+      const double least = estimate.trailing[j].c.diagonal().minCoeff();
+      const double size = full.covariance.diagonal().tail<2>().maxCoeff();
+      ASSERT_GE(least, -1e-9 * size) << k << " " << j;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace dwell
