@@ -115,7 +115,8 @@ Lines head(const v1::ScanReport& report, const std::vector<const v1::Candidate*>
     const std::string other = report.answered_by().empty() ? "a cheaper one" : printable(report.answered_by());
     lines.push_back({"note    the policy could not answer; " + other + " decided", Mark::kWarning});
   }
-  if (report.owed()) lines.push_back({"note    the first look was owed: its track or its radar had waited too long", Mark::kPlain});
+  if (report.owed())
+    lines.push_back({"note    the first look was owed: its track or its radar had waited too long", Mark::kPlain});
   if (report.look().empty()) lines.push_back({"chosen  nothing: no pair was feasible"});
   for (int place = 0; place < report.look_size(); ++place) {
     const v1::Look& look = report.look(place);

@@ -84,6 +84,9 @@ void expect_share(int count, int runs, double low, double high) {
 /// What a reported standard error may be off its bound.
 constexpr double kReported = 0.15;
 
+/// The mean information of a few runs, of a mixture at the truth, is no bound yet: it need not even be positive.
+bool has_bound(const CalibrationFigures& figures) { return figures.solved >= 50; }
+
 /// A parameter is tried where its bound is at most a fifth of the change. Elsewhere it is not observable, which the
 /// reported standard errors decide: as far off the bound as they may be.
 void expect_known(const CalibrationFigures& figures, const Change& change, double within_three) {
@@ -91,7 +94,7 @@ void expect_known(const CalibrationFigures& figures, const Change& change, doubl
   for (const int i : change.radars) {
     const CalibratedParameter& p = figures.radars[i].parameters[static_cast<int>(change.kind)];
     SCOPED_TRACE(figures.radars[i].name);
-    if (p.bound > 0.2 * std::abs(change.value)) {
+    if (has_bound(figures) && p.bound > 0.2 * std::abs(change.value)) {
       if (p.bound * (1.0 - kReported) > 0.2 * std::abs(change.value)) {
         EXPECT_EQ(p.observable, 0);
       }
@@ -99,7 +102,9 @@ void expect_known(const CalibrationFigures& figures, const Change& change, doubl
     }
     expect_share(p.within_three, figures.solved, within_three, 1.0);
     expect_share(p.within_two, figures.solved, 0.88, 0.98);
-    EXPECT_NEAR(p.standard_error / p.bound, 1.0, kReported);
+    if (has_bound(figures)) {
+      EXPECT_NEAR(p.standard_error / p.bound, 1.0, kReported);
+    }
   }
 }
 
@@ -155,6 +160,7 @@ TEST_P(JointCalibration, FindsBiasesOfRecordedFlights) {
     const auto band = statistics::chi_square_band(figures.solved);
     for (const CalibratedRadar& radar : figures.radars) {
       const CalibratedParameter& p = radar.parameters[static_cast<int>(change.kind)];
+      if (!has_bound(figures)) continue;
       EXPECT_NEAR(p.standard_error / p.bound, 1.0, kReported) << radar.name;
       const double largest = (1.0 + kReported) * p.bound;
       EXPECT_LE(figures.solved * p.squared_error, band.high * largest * largest) << radar.name;
