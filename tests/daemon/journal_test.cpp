@@ -206,10 +206,10 @@ TEST_F(JournalTest, ReplayRepeatsWhichValueSetsWereLate) {
     }
   });
   bool answered = false;
-  for (int scan = 0; scan < 2000 && !answered; ++scan) {
+  for (int scan = 0; scan < 1000 && !answered; ++scan) {
     recorded.scan(1);
     answered = recorded.run.engine().last().decision.relaxed.has_value();
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    while (config.engine.value_table->waiting() > 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   EXPECT_TRUE(answered);
   recorded.scan(50);
