@@ -81,6 +81,7 @@ void Index::take_sets(const Situation& situation, ValueTable& table) {
   const std::size_t tracks = situation.tracks.size();
   const auto wait = static_cast<int>(tracks) / std::max(situation.looks, 1);
   placed_.assign(tracks, Placed{});
+  table.begin_scan();
   if (paths_.size() < tracks) paths_.resize(tracks);
   for (std::size_t i = 0; i < tracks; ++i) {
     if (!situation.tracks[i].alive()) continue;

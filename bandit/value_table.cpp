@@ -12,7 +12,7 @@ namespace {
 constexpr double kLowPrice = 1.0;
 constexpr double kPriceStep = 16.0;
 constexpr std::size_t kMostAsked = 4096;  // not built yet
-constexpr std::size_t kMostLate = 4096;
+constexpr std::size_t kMostDue = 4096;    // in a scan, without an allocation
 
 }  // namespace
 
@@ -42,7 +42,8 @@ PricedBucket solve_bucket(const BucketKey& key) try {
 
 ValueTable::ValueTable(OnDue on_due) : on_due_(on_due) {
   asked_.reserve(kMostAsked);
-  late_.reserve(kMostLate);
+  late_.reserve(kMostDue);
+  outcomes_.reserve(kMostDue);
 }
 
 void ValueTable::ask(const BucketKey& key) {
@@ -57,17 +58,18 @@ void ValueTable::ask(const BucketKey& key) {
 
 SharedBucket ValueTable::due(const BucketKey& key) {
   const std::uint64_t wanted = key.packed();
-  if (const auto late = std::find(expected_late_.begin(), expected_late_.end(), wanted); late != expected_late_.end()) {
-    expected_late_.erase(late);
-    return nullptr;
-  }
+  if (std::find(expected_late_.begin(), expected_late_.end(), wanted) != expected_late_.end()) return nullptr;
   if (on_due_ == OnDue::kBuild) {
     std::unique_lock lock(mutex_);
     return build(lock, wanted);
   }
+  const auto known =
+      std::find_if(outcomes_.begin(), outcomes_.end(), [&](const Outcome& o) { return o.key == wanted; });
+  if (known != outcomes_.end()) return known->set;
   const std::unique_lock lock(mutex_, std::try_to_lock);
   SharedBucket set = lock ? find(wanted) : nullptr;
-  if (!set && late_.size() < kMostLate) late_.push_back(wanted);
+  if (!set) late_.push_back(wanted);
+  outcomes_.push_back({wanted, set});
   return set;
 }
 

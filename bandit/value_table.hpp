@@ -44,12 +44,14 @@ class ValueTable {
 
   /// For a builder. Forgotten where a builder is at work on the table itself or too much is asked for: then it is late.
   void ask(const BucketKey& key);
+  /// For kGoOn, before the first `due` of a scan: a set is there for all that ask in a scan, or late for all.
+  void begin_scan() { outcomes_.clear(); }
   /// What was asked for; null: late.
   SharedBucket due(const BucketKey& key);
 
   /// Keys that were late since the last call, in order.
   std::vector<std::uint64_t> take_late();
-  /// Are late when they are next due, each as often as it is here, whether there or not. Of the next scan alone.
+  /// Are late until the next call, whether there or not.
   void expect_late(std::vector<std::uint64_t> keys) { expected_late_ = std::move(keys); }
 
   /// Sets that are asked for and not begun.
@@ -67,10 +69,16 @@ class ValueTable {
   SharedBucket build(std::unique_lock<std::mutex>& lock, std::uint64_t key);
   void make_room();
 
+  struct Outcome {
+    std::uint64_t key;
+    SharedBucket set;  // null: late
+  };
+
   const OnDue on_due_;
-  std::vector<std::uint64_t> expected_late_;  // of the taker's thread, as the next
+  std::vector<std::uint64_t> expected_late_;  // of the taker's thread, as the next two
   std::vector<std::uint64_t> late_;
-  std::mutex mutex_;  // of what follows
+  std::vector<Outcome> outcomes_;  // of this scan
+  std::mutex mutex_;               // of what follows
   std::condition_variable changed_;
   std::unordered_map<std::uint64_t, Entry> entries_;
   std::vector<std::uint64_t> asked_;  // in order, from `next_` on
