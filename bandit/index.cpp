@@ -70,7 +70,7 @@ void Index::follow_tracks(const Situation& situation) {
       at = static_cast<std::size_t>(found - before_.begin());
     }
     if (at < before_.size()) {
-      held_.push_back(before_[at++]);
+      held_.push_back(std::move(before_[at++]));
     } else {
       held_.emplace_back().track = track.id;
     }
@@ -80,7 +80,7 @@ void Index::follow_tracks(const Situation& situation) {
 void Index::take_sets(const Situation& situation, ValueTable& table) {
   const std::size_t tracks = situation.tracks.size();
   const auto wait = static_cast<int>(tracks) / std::max(situation.looks, 1);
-  placed_.assign(tracks, Placed{});
+  cells_.assign(tracks, nullptr);
   table.begin_scan();
   if (paths_.size() < tracks) paths_.resize(tracks);
   for (std::size_t i = 0; i < tracks; ++i) {
@@ -88,32 +88,47 @@ void Index::take_sets(const Situation& situation, ValueTable& table) {
     Held& held = held_[i];
     paths_[i].lay(situation, i, 1 + std::clamp(wait, 2, kLongestWait));
     if (held.due == scan_) take_due(held, table);
-    const auto place = place_of(situation, i, paths_[i], price_);
-    if (!place) continue;
-    placed_[i].place = *place;
-    if (held.has_cell) {
-      placed_[i].cell = &held.cell;
-      placed_[i].weights = corner_weights(held.cell.lowest, *place);
-    }
-    const bool there = held.has_cell && place->cell == held.cell.lowest;
-    if (there || held.due != 0 || price_ == 0.0) continue;
-    held.asked = place->cell;
-    held.due = scan_ + kDelay;
-    for (int corner = 0; corner < kCorners; ++corner) table.ask(corner_of(held.asked, corner));
+    if (const auto place = place_of(situation, i, paths_[i], price_)) place_track(held, *place, table);
+    if (!held.cells.empty()) cells_[i] = &held.cells[held.current];
   }
 }
 
 /// All of a cell's sets, or none where one is late: the track asks again.
 void Index::take_due(Held& held, ValueTable& table) {
   held.due = 0;
-  std::array<SharedBucket, kCorners> sets;
+  Cell cell{held.asked, corner_weights(held.asked), {}, scan_};
   for (int corner = 0; corner < kCorners; ++corner) {
-    SharedBucket& set = sets[static_cast<std::size_t>(corner)];
-    set = table.due(corner_of(held.asked, corner));
+    SharedBucket& set = cell.sets[static_cast<std::size_t>(corner)];
+    set = table.due(corner_of(cell.place.cell, corner));
     if (!set) return;
   }
-  held.cell = {held.asked, std::move(sets)};
-  held.has_cell = true;
+  if (held.cells.size() < kCells) {
+    held.cells.reserve(kCells);
+    held.current = held.cells.size();
+    held.cells.emplace_back();
+  } else {
+    const auto oldest = std::min_element(held.cells.begin(), held.cells.end(),
+                                         [](const Cell& a, const Cell& b) { return a.used < b.used; });
+    held.current = static_cast<std::size_t>(oldest - held.cells.begin());
+  }
+  held.cells[held.current] = std::move(cell);
+}
+
+/// Into the cell of the place where its sets are held; else they are asked for.
+void Index::place_track(Held& held, const BucketPlace& place, ValueTable& table) {
+  const auto cell = std::find_if(held.cells.begin(), held.cells.end(),
+                                 [&](const Cell& known) { return known.place.cell == place.cell; });
+  if (cell != held.cells.end()) {
+    cell->place = place;
+    cell->weights = corner_weights(place);
+    cell->used = scan_;
+    held.current = static_cast<std::size_t>(cell - held.cells.begin());
+    return;
+  }
+  if (held.due != 0 || price_ == 0.0) return;
+  held.asked = place;
+  held.due = scan_ + kDelay;
+  for (int corner = 0; corner < kCorners; ++corner) table.ask(corner_of(place.cell, corner));
 }
 
 /// The price, and the relaxation's value at it: of sets interpolated and tracks that stay where they are.
@@ -121,14 +136,14 @@ void Index::find_price(const Situation& situation) {
   double roots = 0.0;
   double rates = 0.0;
   double costs = 0.0;
-  for (const Placed& placed : placed_) {
-    for (std::size_t corner = 0; placed.cell != nullptr && corner < kCorners; ++corner) {
-      const PricedBucket& set = *placed.cell->sets[corner];
-      const BucketPlace& place = placed.place;
-      const double rate = placed.weights[corner] * set.rate / place.p_detect;
+  for (const Cell* cell : cells_) {
+    for (std::size_t corner = 0; cell != nullptr && corner < kCorners; ++corner) {
+      const PricedBucket& set = *cell->sets[corner];
+      const BucketPlace& place = cell->place;
+      const double rate = cell->weights[corner] * set.rate / place.p_detect;
       rates += rate;
       roots += rate * std::pow(place.unit_cost * place.p_detect * set.price, kRateExponent);
-      costs += placed.weights[corner] * place.unit_cost * set.cost;
+      costs += cell->weights[corner] * place.unit_cost * set.cost;
     }
   }
   if (roots > 0.0) price_ = correction_ * std::pow(roots / situation.looks, 1.0 / kRateExponent);
@@ -149,7 +164,7 @@ void Index::correct_price(const Situation& situation, std::span<const Candidate>
 
 bool Index::all_have_sets(std::span<const Candidate> candidates) const {
   return std::all_of(candidates.begin(), candidates.end(),
-                     [&](const Candidate& candidate) { return placed_[candidate.pair.track].cell != nullptr; });
+                     [&](const Candidate& candidate) { return cells_[candidate.pair.track] != nullptr; });
 }
 
 double Index::cost(std::size_t track, const StateMatrix& p) const {
@@ -157,7 +172,8 @@ double Index::cost(std::size_t track, const StateMatrix& p) const {
 }
 
 double Index::value(std::size_t track, const StateMatrix& p) const {
-  const BucketPlace& place = placed_[track].place;
+  const Cell& cell = *cells_[track];
+  const BucketPlace& place = cell.place;
   const StateMatrix turned = place.to_units * p;
   const StateMatrix in_units = turned * place.to_units.transpose();
   restless::Packed packed(restless::packed_size(kStateSize));
@@ -167,8 +183,7 @@ double Index::value(std::size_t track, const StateMatrix& p) const {
   }
   double sum = 0.0;
   for (std::size_t corner = 0; corner < kCorners; ++corner) {
-    const double weight = placed_[track].weights[corner];
-    if (weight > 0.0) sum += weight * placed_[track].cell->sets[corner]->value.value(packed);
+    if (cell.weights[corner] > 0.0) sum += cell.weights[corner] * cell.sets[corner]->value.value(packed);
   }
   return place.unit_cost * sum;
 }

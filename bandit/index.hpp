@@ -32,13 +32,15 @@ struct IndexSettings {
 /// orbit index.
 ///
 /// The sets about a track's place on the grid (BucketKey) are asked for when it comes into a new cell and due `kDelay`
-/// scans later; where one is late it is asked for again. Until then the track keeps the sets of the cell before. While
-/// a track has none at all every pair is scored by its orbit index, and the decision says so.
+/// scans later; where one is late it is asked for again. Until then the track stays where it was last in a cell whose
+/// sets it has, with the units of that place; it keeps those of `kCells` cells. While a track has none at all every pair
+/// is scored by its orbit index, and the decision says so.
 /// Several looks of a scan go by their scores; prices of single radars are not worked out.
 /// Source   bandit/restless/README.md; Brown, Smith (2020) for Lagrangian indices; depth 2, grid and price: ours.
 class Index final : public Policy {
  public:
   static constexpr int kDelay = 4;
+  static constexpr std::size_t kCells = 6;
   static constexpr std::size_t kFinalists = 8;
   static constexpr int kMostDepth = 2;
 
@@ -48,29 +50,27 @@ class Index final : public Policy {
   void decide(const Situation& situation, Decision& decision) override;
 
  private:
-  /// The sets about a place on the grid.
+  /// A cell of the grid with its sets.
   struct Cell {
-    BucketKey lowest;
+    BucketPlace place;  // of the track, when it was last there
+    std::array<double, kCorners> weights{};
     std::array<SharedBucket, kCorners> sets;
+    int used = 0;  // scan
   };
   /// What is kept of a track from scan to scan.
   struct Held {
     TrackId track;
-    Cell cell;
-    bool has_cell = false;
-    BucketKey asked;
+    std::vector<Cell> cells;
+    std::size_t current = 0;  // in `cells`, where that is not empty
+    BucketPlace asked;
     int due = 0;  // scan; 0: nothing is asked for
-  };
-  struct Placed {
-    BucketPlace place;
-    std::array<double, kCorners> weights{};
-    const Cell* cell = nullptr;  // null: none yet
   };
 
   void score(const Situation& situation, std::span<Candidate> candidates) override;
   void follow_tracks(const Situation& situation);
   void take_sets(const Situation& situation, ValueTable& table);
   void take_due(Held& held, ValueTable& table);
+  void place_track(Held& held, const BucketPlace& place, ValueTable& table);
   void find_price(const Situation& situation);
   void correct_price(const Situation& situation, std::span<const Candidate> candidates);
   bool all_have_sets(std::span<const Candidate> candidates) const;
@@ -92,8 +92,8 @@ class Index final : public Policy {
   ValueTable own_table_;
   const Situation* situation_ = nullptr;
   std::vector<Held> held_, before_;
-  std::vector<Placed> placed_;    // of each track
-  std::vector<TrackPath> paths_;  // of each track
+  std::vector<const Cell*> cells_;  // of each track; null: none yet
+  std::vector<TrackPath> paths_;    // of each track
   std::vector<std::size_t> finalists_;
   std::vector<double> next_gain_;  // of each finalist's track, in the next scan where nobody looks now
   std::vector<double> ranked_;

@@ -22,10 +22,10 @@ std::int8_t rounded(double steps, int least, int most) {
   return static_cast<std::int8_t>(std::lround(std::clamp(steps, double(least), double(most))));
 }
 
-/// The lowest corner's coordinate in the cell that holds a place.
-std::int8_t cell_of(double& steps, int least) {
-  steps = std::clamp(steps, double(least), double(BucketKey::kFarthest));
-  return static_cast<std::int8_t>(std::floor(steps));
+/// The lowest corner's coordinate in the cell that holds a place; the place is moved between `least` and `most`.
+std::int8_t cell_of(double& steps, int least, int most) {
+  steps = std::clamp(steps, double(least), double(most));
+  return static_cast<std::int8_t>(std::min(std::floor(steps), most - 1.0));
 }
 
 /// Position noise of one look by its axes.
@@ -33,13 +33,20 @@ struct Ellipse {
   double large = 0.0;  // variances
   double small = 0.0;
   Vector2 axis;  // of the large one
+
+  Matrix2 information() const {
+    const Matrix2 along = axis * axis.transpose();
+    return along / large + (Matrix2::Identity() - along) / small;
+  }
 };
 
-Ellipse ellipse_of(const Matrix2& information) {
+/// Of a look with this information; no variance below `least`.
+Ellipse ellipse_of(const Matrix2& information, double least) {
   Eigen::SelfAdjointEigenSolver<Matrix2> axes;
   axes.computeDirect(information);
   const double most = axes.eigenvalues()[1];
-  return {1.0 / std::max(axes.eigenvalues()[0], kLeastInformation * most), 1.0 / most, axes.eigenvectors().col(0)};
+  const double large = 1.0 / std::max(axes.eigenvalues()[0], kLeastInformation * most);
+  return {std::max(large, least), std::max(1.0 / most, least), axes.eigenvectors().col(0)};
 }
 
 restless::Sensor sensor_of(double large, double small, double angle_rad) {
@@ -83,54 +90,58 @@ BucketKey corner_of(const BucketKey& lowest, int corner) {
   return key;
 }
 
-std::array<double, kCorners> corner_weights(const BucketKey& lowest, const BucketPlace& place) {
-  const double q = std::clamp(place.q - lowest.q, 0.0, 1.0);
-  const double price = std::clamp(place.price - lowest.price, 0.0, 1.0);
+std::array<double, kCorners> corner_weights(const BucketPlace& place) {
+  const double q = place.q - place.cell.q;
+  const double price = place.price - place.cell.price;
   return {(1.0 - q) * (1.0 - price), q * (1.0 - price), (1.0 - q) * price, q * price};
 }
 
 std::optional<BucketPlace> place_of(const Situation& situation, std::size_t track, TrackPath& path, double price) {
+  double velocity_noise = 0.0;
+  for (int scan = 1; scan < path.scans(); ++scan) {
+    velocity_noise += (path.noise(scan)(kVx, kVx) + path.noise(scan)(kVy, kVy)) / (path.scans() - 1);
+  }
+  const double period = situation.scan_period_s;
+  const double noise = 0.5 * period * period * velocity_noise;
+  const double least_variance = noise * std::pow(BucketKey::kStep, -BucketKey::kMostQ);
+  const auto look_of = [&](std::size_t s) { return ellipse_of(path.position_information(0, s), least_variance); };
+
   std::optional<std::size_t> leading;
   std::optional<std::size_t> other;
   double least = std::numeric_limits<double>::infinity();
   Matrix2 first = Matrix2::Zero();
-  const auto leaves = [&](std::size_t s, const Matrix2& information) {
-    return trace_of_both(first, information) / path.p_detect(0, s);
+  const auto leaves = [&](std::size_t s) {
+    return trace_of_both(first, look_of(s).information()) / path.p_detect(0, s);
   };
   const auto matters = [&](std::size_t s) {
     return path.possible(0, s) && path.p_detect(0, s) > 0.0 && path.position_information(0, s).trace() > 0.0;
   };
   for (std::size_t s = 0; s < situation.sensors.size(); ++s) {
     if (!matters(s)) continue;
-    const double alone = leaves(s, path.position_information(0, s));
+    const double alone = leaves(s);
     if (!(alone < least)) continue;
     least = alone;
     leading = s;
   }
   if (!leading) return std::nullopt;
-  first = path.position_information(0, *leading);
-  least = kMatters * leaves(*leading, first);
+  const Ellipse lead = look_of(*leading);
+  first = lead.information();
+  least = kMatters * leaves(*leading);
   for (std::size_t s = 0; s < situation.sensors.size(); ++s) {
     if (s == *leading || !matters(s)) continue;
-    const double both = leaves(s, path.position_information(0, s));
+    const double both = leaves(s);
     if (!(both < least)) continue;
     least = both;
     other = s;
   }
 
-  const Ellipse lead = ellipse_of(first);
-  double velocity_noise = 0.0;
-  for (int scan = 1; scan < path.scans(); ++scan) {
-    velocity_noise += (path.noise(scan)(kVx, kVx) + path.noise(scan)(kVy, kVy)) / (path.scans() - 1);
-  }
-  const double period = situation.scan_period_s;
   BucketPlace place;
   place.unit_cost = situation.tracks[track].weight * lead.large;
   place.p_detect = path.p_detect(0, *leading);
-  place.q = steps(0.5 * period * period * velocity_noise / lead.large, BucketKey::kStep);
+  place.q = steps(noise / lead.large, BucketKey::kStep);
   place.price = steps(price / (place.p_detect * place.unit_cost), BucketKey::kStep);
-  place.cell.q = cell_of(place.q, BucketKey::kLeastQ);
-  place.cell.price = cell_of(place.price, -BucketKey::kFarthest);
+  place.cell.q = cell_of(place.q, BucketKey::kLeastQ, BucketKey::kMostQ);
+  place.cell.price = cell_of(place.price, -BucketKey::kFarthest, BucketKey::kFarthest);
   const auto flatness = [](const Ellipse& e) {
     return rounded(steps(e.small / e.large, BucketKey::kStepVariance), BucketKey::kFlattest, 0);
   };
@@ -138,7 +149,7 @@ std::optional<BucketPlace> place_of(const Situation& situation, std::size_t trac
   Vector2 x = lead.axis;
   Vector2 y(-x[1], x[0]);
   if (other) {
-    const Ellipse second = ellipse_of(path.position_information(0, *other));
+    const Ellipse second = look_of(*other);
     if (x.dot(second.axis) < 0.0) x = -x;
     if (y.dot(second.axis) < 0.0) y = -y;
     const double angle = std::atan2(y.dot(second.axis), x.dot(second.axis));

@@ -21,7 +21,8 @@ namespace dwell {
 ///   size    the other radar's larger variance over l^2, its own flatness, and the angle between the two large axes
 ///
 /// q and price are in steps of a factor 2, between which values are interpolated; the others are rounded, to factors 4
-/// and to 30 degrees.
+/// and to 30 degrees. Variances of less than q 2^-kMostQ l^2 count as that much: what a scan adds is then all that is
+/// not known, whatever the radar.
 ///
 /// Looks of a set always detect: one that misses is taken to be repeated at once, so that a detection costs price / P_d
 /// of the leading radar. What looks may miss now and in the next scan the policy works out itself.
@@ -34,7 +35,8 @@ struct BucketKey {
   static constexpr int kAngles = 3;             ///< of 30 degrees
   static constexpr int kFlattest = -7;          ///< 4^-7: a thinner ellipse costs as much
   static constexpr int kLeastQ = -30;           ///< a tracking index of 3e-5
-  static constexpr int kFarthest = 100;         ///< of q and price, in steps from 1
+  static constexpr int kMostQ = 8;
+  static constexpr int kFarthest = 100;  ///< of the price, in steps from 1
   static constexpr std::int8_t kAlone = 127;
 
   std::int8_t q = 0, price = 0;
@@ -63,8 +65,8 @@ std::optional<BucketPlace> place_of(const Situation& situation, std::size_t trac
 /// The corners of a cell of the grid, from its lowest: q, then price, a step up.
 inline constexpr int kCorners = 4;
 BucketKey corner_of(const BucketKey& lowest, int corner);
-/// Of bilinear interpolation; a place outside the cell counts as the nearest inside. They sum to 1.
-std::array<double, kCorners> corner_weights(const BucketKey& lowest, const BucketPlace& place);
+/// Of bilinear interpolation in the place's cell; they sum to 1.
+std::array<double, kCorners> corner_weights(const BucketPlace& place);
 
 /// The target at a point of the grid, and the price there.
 restless::Arm arm_of(const BucketKey& key);

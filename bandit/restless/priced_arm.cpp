@@ -24,6 +24,10 @@ constexpr int kPauses = 30;
 /// A pause ends that far from its start, in the distance at which covariances are one: what is one with the end is then
 /// beyond the start. Requires distances below .04.
 constexpr double kApart = 1.05;
+constexpr double kCoarsest = 0.035;
+/// Prices are raised by so much at most from one solution to the next: each value begins the search for the next, and
+/// from far below it would begin with waits that are much too long.
+constexpr double kPriceStep = 16.0;
 /// Discounted sweeps after which what is left is taken to be a constant.
 constexpr int kExtrapolate = 32;
 /// Idle lengths of the seeds' periodic looks.
@@ -155,6 +159,7 @@ int PricedArm::node_at(const Packed& p) {
   const int found = find(p);
   if (found >= 0) return found;
   if (static_cast<int>(points_.size()) < settings_.maximum_points) return find_or_add(p);
+  too_many_ = true;
   int nearest = 0;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < points_.size(); ++k) {
@@ -246,8 +251,19 @@ bool PricedArm::choose(std::size_t k, double price) {
   return !was_active || best != before;
 }
 
+/// All but the seeds are forgotten, and twice as much is one point: before them there were too many.
+void PricedArm::coarsen() {
+  same_point_ = std::min(2.0 * same_point_, kCoarsest);
+  std::vector<Packed> starts;
+  for (const int k : seeds_) starts.push_back(points_[static_cast<std::size_t>(k)].p);
+  points_.clear();
+  nodes_.clear();
+  for (std::size_t i = 0; i < starts.size(); ++i) seeds_[i] = find_or_add(starts[i]);
+}
+
 /// The greedy policy's graph from all seeds; what it does not reach is forgotten. How many actions changed.
 std::size_t PricedArm::follow(double price) {
+  too_many_ = false;
   std::vector<char> reached(points_.size(), 0);
   std::vector<int> open = seeds_;
   for (const int k : open) reached[static_cast<std::size_t>(k)] = 1;
@@ -552,9 +568,32 @@ void PricedArm::publish(double price) {
 }
 
 PricedValue PricedArm::solve(double price) {
+  if (price_ == 0.0) price_ = gain_of_all_looks();
+  const double steps = price_ > 0.0 ? std::ceil(std::log(price / price_) / std::log(kPriceStep)) : 0.0;
+  const double ratio = std::pow(price / price_, 1.0 / steps);
+  for (double step = 1.0; step < steps; ++step) (void)improve(price_ *= ratio);
+  return improve(price_ = price);
+}
+
+/// Per dwell, in a scan in which every look before was made.
+double PricedArm::gain_of_all_looks() const {
+  const Matrix settled = all_looks(arm_).covariance;
+  double gain = 0.0;
+  for (const Sensor& sensor : arm_.sensors) {
+    gain = std::max(gain, scan_cost(arm_, settled) - expected_scan_cost(arm_, sensor, settled));
+  }
+  return gain / arm_.dwell;
+}
+
+/// Policy iteration at a price, from the last V.
+PricedValue PricedArm::improve(double price) {
   PricedValue value;
   for (int improvement = 0; improvement < settings_.improvements; ++improvement) {
-    const std::size_t changed = follow(price);
+    std::size_t changed = follow(price);
+    while (too_many_ && same_point_ < kCoarsest) {
+      coarsen();
+      changed = follow(price);
+    }
     if (evaluate(price)) {
       publish(price);
     } else {

@@ -15,7 +15,7 @@ struct PricedValue {
 };
 
 struct PricedArmSettings {
-  int maximum_points = 2000;
+  int maximum_points = 2000;  ///< where more are asked for, what is one point is doubled
   int improvements = 60;  ///< of the policy; a dozen is usual
   /// Covariances this close, relative to their standard deviations, are one point. Plans are tangents of V: what is
   /// lost is of second order. Where misses branch, the coarser one keeps the points few.
@@ -106,6 +106,7 @@ class PricedArm {
   double next_discount(std::size_t k) const;
   int find_or_add(const Packed& p);
   int node_at(const Packed& p);
+  void coarsen();
   void seed();
   double action_cost(const Point& point, int sensor, double idle, double price) const;
   bool choose(std::size_t k, double price);
@@ -120,6 +121,8 @@ class PricedArm {
   void solve_constants_by_cycles(double price);
   void solve_constants_by_sweeps(double price);
   void publish(double price);
+  double gain_of_all_looks() const;
+  PricedValue improve(double price);
 
   Arm arm_;
   double discount_;
@@ -131,12 +134,14 @@ class PricedArm {
   Packed scan_cost_;           // w C in weight form
   std::vector<Pause> pauses_;  // of 1, 2, 4, .. scans
   std::vector<int> seeds_;
+  bool too_many_ = false;  // points were asked for
   std::vector<Point> points_;
   std::vector<Node> nodes_;              // one a point
   Eigen::MatrixXd weights_;              // m x points
   Eigen::VectorXd cost_, work_;          // c = cost + price work
   Eigen::VectorXd cost_now_, work_now_;  // without the successors' constants
   std::vector<char> kept_;               // active, and of a part of the graph with the least mean
+  double price_ = 0.0;                   // of the last solution
   PricedValue mean_;
   Eigen::VectorXd published_cost_, published_work_;
   ValueSet value_;

@@ -118,14 +118,11 @@ TEST(ValueBucket, PlacesAreInterpolatedBetweenTheCornersOfTheirCell) {
   BucketPlace place;
   place.q = -3.75;
   place.price = 4.5;
-  BucketKey lowest;
-  lowest.q = -4;
-  lowest.price = 4;
-  EXPECT_EQ(corner_weights(lowest, place), (std::array{0.375, 0.125, 0.375, 0.125}));
-  lowest.q = -2;
-  EXPECT_EQ(corner_weights(lowest, place), (std::array{0.5, 0.0, 0.5, 0.0}));
-  EXPECT_EQ(corner_of(lowest, 3).q, -1);
-  EXPECT_EQ(corner_of(lowest, 3).price, 5);
+  place.cell.q = -4;
+  place.cell.price = 4;
+  EXPECT_EQ(corner_weights(place), (std::array{0.375, 0.125, 0.375, 0.125}));
+  EXPECT_EQ(corner_of(place.cell, 3).q, -3);
+  EXPECT_EQ(corner_of(place.cell, 3).price, 5);
 }
 
 TEST(ValueBucket, KeysAreNumbers) {
