@@ -4,26 +4,10 @@
 
 #include "bandit/restless/orbit_index.hpp"
 #include "tests/bandit/linear_plan.hpp"
+#include "tests/bandit/restless_arm.hpp"
 
 namespace dwell::testing {
 namespace {
-
-/// The same target as a restless arm; position variance is its cost.
-restless::Arm arm_of(Scene& scene, const Track& track) {
-  const DiscreteBank bank = *scene.situation().bank;
-  restless::Arm arm;
-  arm.f = bank.f[0];
-  arm.q = bank.q[0];
-  arm.cost = restless::Matrix::Zero(kStateSize, kStateSize);
-  arm.cost(kX, kX) = arm.cost(kY, kY) = 1.0;
-  arm.weight = track.weight;
-  arm.p0 = track.combined.covariance;
-  for (const Sensor* sensor : scene.sensors) {
-    arm.sensors.push_back(
-        {sensor->jacobian(State::Zero()), sensor->noise(State::Zero()), sensor->detection_probability(State::Zero())});
-  }
-  return arm;
-}
 
 /// Where a track has one mode and its sensors are linear nothing is approximated: the index of the restless arm, which
 /// shares no code with ours. Both add 2 x 150 terms of one sign: rounding of 1e-12 of the sums, divided by .05.
