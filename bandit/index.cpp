@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "radar/assert.hpp"
@@ -35,7 +36,7 @@ void Index::decide(const Situation& situation, Decision& decision) {
     decision.answered_by = "orbit";
     return;
   }
-  decision.relaxed = Relaxed{price_, reference_};
+  decision.relaxed = Relaxed{mean_price(), reference_};
 }
 
 void Index::score(const Situation& situation, std::span<Candidate> candidates) {
@@ -43,6 +44,7 @@ void Index::score(const Situation& situation, std::span<Candidate> candidates) {
   ++scan_;
   ValueTable& table = situation.value_table != nullptr ? *situation.value_table : own_table_;
   follow_tracks(situation);
+  set_prices(situation);
   take_sets(situation, table);
   find_price(situation);
   by_orbit_ = !all_have_sets(candidates);
@@ -54,7 +56,7 @@ void Index::score(const Situation& situation, std::span<Candidate> candidates) {
     return;
   }
   score_advantages(situation, candidates);
-  correct_price(situation, candidates);
+  correct_prices(situation, candidates);
   if (depth_ > 1) look_ahead(situation, candidates);
 }
 
@@ -88,7 +90,7 @@ void Index::take_sets(const Situation& situation, ValueTable& table) {
     Held& held = held_[i];
     paths_[i].lay(situation, i, 1 + std::clamp(wait, 2, kLongestWait));
     if (held.due == scan_) take_due(held, table);
-    if (const auto place = place_of(situation, i, paths_[i], price_)) place_track(held, *place, table);
+    if (const auto place = place_of(situation, i, paths_[i], prices_)) place_track(held, *place, table);
     if (!held.cells.empty()) cells_[i] = &held.cells[held.current];
   }
 }
@@ -131,35 +133,53 @@ void Index::place_track(Held& held, const BucketPlace& place, ValueTable& table)
   for (int corner = 0; corner < kCorners; ++corner) table.ask(corner_of(place.cell, corner));
 }
 
-/// The price, and the relaxation's value at it: of sets interpolated and tracks that stay where they are.
+/// The prices, and the relaxation's value at them: of sets interpolated and tracks that stay where they are.
 void Index::find_price(const Situation& situation) {
   double roots = 0.0;
-  double rates = 0.0;
+  double rates_at_price = 0.0;
   double costs = 0.0;
   for (const Cell* cell : cells_) {
     for (std::size_t corner = 0; cell != nullptr && corner < kCorners; ++corner) {
       const PricedBucket& set = *cell->sets[corner];
       const BucketPlace& place = cell->place;
       const double rate = cell->weights[corner] * set.rate / place.p_detect;
-      rates += rate;
       roots += rate * std::pow(place.unit_cost * place.p_detect * set.price, kRateExponent);
+      rates_at_price += rate * correction_[place.leading];
       costs += cell->weights[corner] * place.unit_cost * set.cost;
     }
   }
-  if (roots > 0.0) price_ = correction_ * std::pow(roots / situation.looks, 1.0 / kRateExponent);
-  reference_ = costs + price_ * (rates - situation.looks);
+  if (roots > 0.0) price_ = std::pow(roots / situation.looks, 1.0 / kRateExponent);
+  set_prices(situation);
+  reference_ = costs + price_ * rates_at_price - mean_price() * situation.looks;
 }
 
-/// By the advantage of the last look that will be made.
-void Index::correct_price(const Situation& situation, std::span<const Candidate> candidates) {
-  const auto looks = static_cast<std::size_t>(situation.looks);
-  if (candidates.size() < looks || !(price_ > 0.0)) return;
-  ranked_.clear();
-  for (const Candidate& candidate : candidates) ranked_.push_back(candidate.score);
-  const auto last = ranked_.begin() + static_cast<std::ptrdiff_t>(looks - 1);
-  std::nth_element(ranked_.begin(), last, ranked_.end(), std::greater<>());
-  correction_ *= 1.0 + kCorrectionStep * std::clamp(*last / price_, -1.0, 1.0);
-  correction_ = std::clamp(correction_, 1.0 / kMostCorrection, kMostCorrection);
+void Index::set_prices(const Situation& situation) {
+  correction_.resize(situation.sensors.size(), 1.0);
+  prices_.clear();
+  for (const double correction : correction_) prices_.push_back(correction * price_);
+}
+
+double Index::mean_price() const {
+  return std::accumulate(prices_.begin(), prices_.end(), 0.0) / static_cast<double>(prices_.size());
+}
+
+/// By the advantage of the last look that will be made: of each sensor where all look in every scan, else of any.
+void Index::correct_prices(const Situation& situation, std::span<const Candidate> candidates) {
+  if (!(price_ > 0.0)) return;
+  const auto up = std::count_if(situation.states.begin(), situation.states.end(), [](auto& state) { return state.up; });
+  const bool all_look = situation.looks > 1 && situation.looks >= up;
+  for (std::size_t s = 0; s < correction_.size(); ++s) {
+    ranked_.clear();
+    for (const Candidate& candidate : candidates) {
+      if (!all_look || candidate.pair.sensor == s) ranked_.push_back(candidate.score);
+    }
+    const auto looks = all_look ? std::size_t{1} : static_cast<std::size_t>(situation.looks);
+    if (ranked_.size() < looks) continue;
+    const auto last = ranked_.begin() + static_cast<std::ptrdiff_t>(looks - 1);
+    std::nth_element(ranked_.begin(), last, ranked_.end(), std::greater<>());
+    correction_[s] *= 1.0 + kCorrectionStep * std::clamp(*last / prices_[s], -1.0, 1.0);
+    correction_[s] = std::clamp(correction_[s], 1.0 / kMostCorrection, kMostCorrection);
+  }
 }
 
 bool Index::all_have_sets(std::span<const Candidate> candidates) const {
@@ -200,7 +220,7 @@ void Index::score_advantages(const Situation& situation, std::span<Candidate> ca
     ScoreParts parts;
     parts.gain_now = p * (cost(i, now) - cost(i, seen));
     if (p > 0.0) parts.value_later = p * (value_idle - value(i, paths_[i].predict(0, seen)));
-    parts.price = price_ + situation.usage_cost[candidate.pair.sensor];
+    parts.price = prices_[candidate.pair.sensor] + situation.usage_cost[candidate.pair.sensor];
     candidate.parts = parts;
     candidate.score = parts.gain_now + parts.value_later - parts.price;
     if (!std::isfinite(candidate.score)) candidate.score = -parts.price;  // numbers that fail: a look of no use
@@ -216,7 +236,8 @@ double Index::best_gain(std::size_t track, TrackPath& path, const StateMatrix& p
     StateMatrix seen;
     const double p = path.look(1, s, predicted, seen);
     const double later = p > 0.0 ? p * (value_idle - value(track, path.predict(1, seen))) : 0.0;
-    const double gain = p * (cost(track, predicted) - cost(track, seen)) + later - price_ - situation_->usage_cost[s];
+    const double gain =
+        p * (cost(track, predicted) - cost(track, seen)) + later - prices_[s] - situation_->usage_cost[s];
     if (std::isfinite(gain)) best = std::max(best, gain);
   }
   return best;

@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "bandit/best_looks.hpp"
 #include "bandit/orbit.hpp"
 #include "bandit/value_table.hpp"
 
@@ -28,15 +29,16 @@ struct IndexSettings {
 /// change with the fourth root of the price (what a position-velocity target's does when looks are rare),
 ///   price = correction (sum_i rate_i price_i^1/4 / looks)^4,    rate_i at price_i from the set,
 /// where the correction rises by up to 3 % in a scan whose last look by A is worth more than it costs, and falls where
-/// it is worth less: sets know nothing of how manoeuvres come and go. Before there is any set the price is the best
-/// orbit index.
+/// it is worth less: sets know nothing of how manoeuvres come and go. Where every radar that is up has a look in every
+/// scan each has a correction, and so a price, of its own, by the best A of its looks. A set counts the looks of both
+/// its radars at the leading one's price. Before there is any set the price is the best orbit index.
 ///
 /// The sets about a track's place on the grid (BucketKey) are asked for when it comes into a new cell and due `kDelay`
 /// scans later; where one is late it is asked for again. Until then the track stays where it was last in a cell whose
-/// sets it has, with the units of that place; it keeps those of `kCells` cells. While a track has none at all every pair
-/// is scored by its orbit index, and the decision says so.
-/// Several looks of a scan go by their scores; prices of single radars are not worked out.
-/// Source   bandit/restless/README.md; Brown, Smith (2020) for Lagrangian indices; depth 2, grid and price: ours.
+/// sets it has, with the units of that place; it keeps those of `kCells` cells. While a track has none at all every
+/// pair is scored by its orbit index, and the decision says so. Several looks of a scan are those of the greatest total
+/// score. They have one price: those of single radars are not worked out. Source   bandit/restless/README.md; Brown,
+/// Smith (2020) for Lagrangian indices; depth 2, grid and price: ours.
 class Index final : public Policy {
  public:
   static constexpr int kDelay = 4;
@@ -67,12 +69,15 @@ class Index final : public Policy {
   };
 
   void score(const Situation& situation, std::span<Candidate> candidates) override;
+  void choose(const Situation& situation, Decision& decision) override { best_looks_.add(situation, decision); }
   void follow_tracks(const Situation& situation);
   void take_sets(const Situation& situation, ValueTable& table);
   void take_due(Held& held, ValueTable& table);
   void place_track(Held& held, const BucketPlace& place, ValueTable& table);
   void find_price(const Situation& situation);
-  void correct_price(const Situation& situation, std::span<const Candidate> candidates);
+  void correct_prices(const Situation& situation, std::span<const Candidate> candidates);
+  void set_prices(const Situation& situation);
+  double mean_price() const;
   bool all_have_sets(std::span<const Candidate> candidates) const;
   void score_advantages(const Situation& situation, std::span<Candidate> candidates);
   void look_ahead(const Situation& situation, std::span<Candidate> candidates);
@@ -84,11 +89,13 @@ class Index final : public Policy {
 
   int depth_;
   int scan_ = 0;
-  double price_ = 0.0;
-  double correction_ = 1.0;  // of the price
+  double price_ = 0.0;              // before its correction
+  std::vector<double> correction_;  // of each sensor's price
+  std::vector<double> prices_;      // of each sensor
   double reference_ = 0.0;
   bool by_orbit_ = false;
   OrbitIndex orbit_;
+  BestLooks best_looks_;
   ValueTable own_table_;
   const Situation* situation_ = nullptr;
   std::vector<Held> held_, before_;

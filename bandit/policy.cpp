@@ -51,17 +51,23 @@ void Policy::decide(const Situation& situation, Decision& decision) {
   score(situation, decision.candidates);
   for (const Candidate& candidate : decision.candidates) DWELL_ASSERT(std::isfinite(candidate.score));
   const std::size_t best = *best_free(decision);
-  const auto take = [&](const Owed& wanted) {
-    const auto next = std::ssize(decision.chosen) < situation.looks ? best_free(decision, wanted) : std::nullopt;
-    if (next) decision.chosen.push_back(*next);
-    return next.has_value();
-  };
-  for (const Owed& owed : situation.owed) take(owed);
-  while (take({})) {
+  for (const Owed& owed : situation.owed) {
+    if (std::ssize(decision.chosen) == situation.looks) break;
+    if (const auto next = best_free(decision, owed)) decision.chosen.push_back(*next);
   }
-  decision.owed = decision.candidates[decision.chosen.front()].score < decision.candidates[best].score;
+  const auto score_of = [&](std::size_t c) { return decision.candidates[c].score; };
+  decision.owed = !decision.chosen.empty() && score_of(decision.chosen.front()) < score_of(best);
+  choose(situation, decision);
   chose(situation, decision);
   decision.margin = margin(decision);
+}
+
+void Policy::choose(const Situation& situation, Decision& decision) {
+  while (std::ssize(decision.chosen) < situation.looks) {
+    const auto next = best_free(decision);
+    if (!next) return;
+    decision.chosen.push_back(*next);
+  }
 }
 
 }  // namespace dwell

@@ -76,8 +76,8 @@ struct Relaxed {
 struct Decision {
   std::vector<Candidate> candidates;  ///< all feasible pairs, in the situation's order
   std::vector<std::size_t> chosen;    ///< places in `candidates`, best first
-  std::optional<double> margin;       ///< score of the first choice minus the best of those not chosen;
-                                      ///< negative where the first was owed
+  std::optional<double> margin;       ///< score of the first choice minus the best of those not chosen; negative where
+                                      ///< the first was owed, or is not the best of a scan of several looks
   bool owed = false;                  ///< the first choice was owed its look: another has a better score
   bool fell_back = false;             ///< the policy could not answer and a cheaper one did
   std::string_view answered_by;       ///< that cheaper policy's name where it is one of the catalogue; else empty
@@ -88,9 +88,10 @@ struct Decision {
 
 /// Chooses the next look. Models: one file each in this folder, listed in bandit/catalogue.hpp.
 ///
-/// The choice is the same for all: the best score first, then the best of another sensor and another track, until
-/// the looks of the scan are given. Ties go to the candidate that comes first. A look is made even when every score
-/// is negative: the link is there to be used. What is owed a look comes first, with its best score.
+/// What is owed a look comes first, with its best score; then the best score, then the best of another sensor and
+/// another track, until the looks of the scan are given. Ties go to the candidate that comes first. Where scores are
+/// gains in cost, which add up over tracks, the looks of a scan are those of the greatest total
+/// (bandit/best_looks.hpp). A look is made even when every score is negative: the link is there to be used.
 class Policy {
  public:
   virtual ~Policy() = default;
@@ -102,6 +103,8 @@ class Policy {
  private:
   /// Writes the score (and costs) of every candidate; the pairs are there already.
   virtual void score(const Situation& situation, std::span<Candidate> candidates) = 0;
+  /// Chooses the looks that are not owed. By default the best one after the other.
+  virtual void choose(const Situation& situation, Decision& decision);
   /// Called when the choice is made. What takes turns goes on from the first look alone, and stays where it is when
   /// that one was owed: turns that are taken before their time are not skipped.
   virtual void chose(const Situation& /*situation*/, const Decision& /*decision*/) {}

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "bandit/best_looks.hpp"
 #include "bandit/expected_cost.hpp"
 #include "bandit/policy.hpp"
 
@@ -31,8 +32,10 @@ class SaImm final : public Policy {
 
  private:
   void score(const Situation& situation, std::span<Candidate> candidates) override;
+  void choose(const Situation& situation, Decision& decision) override { best_looks_.add(situation, decision); }
 
   ExpectedCost expected_cost_;
+  BestLooks best_looks_;
 };
 
 }  // namespace dwell

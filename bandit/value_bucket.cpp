@@ -96,7 +96,8 @@ std::array<double, kCorners> corner_weights(const BucketPlace& place) {
   return {(1.0 - q) * (1.0 - price), q * (1.0 - price), (1.0 - q) * price, q * price};
 }
 
-std::optional<BucketPlace> place_of(const Situation& situation, std::size_t track, TrackPath& path, double price) {
+std::optional<BucketPlace> place_of(const Situation& situation, std::size_t track, TrackPath& path,
+                                    std::span<const double> prices) {
   double velocity_noise = 0.0;
   for (int scan = 1; scan < path.scans(); ++scan) {
     velocity_noise += (path.noise(scan)(kVx, kVx) + path.noise(scan)(kVy, kVy)) / (path.scans() - 1);
@@ -137,9 +138,10 @@ std::optional<BucketPlace> place_of(const Situation& situation, std::size_t trac
 
   BucketPlace place;
   place.unit_cost = situation.tracks[track].weight * lead.large;
+  place.leading = *leading;
   place.p_detect = path.p_detect(0, *leading);
   place.q = steps(noise / lead.large, BucketKey::kStep);
-  place.price = steps(price / (place.p_detect * place.unit_cost), BucketKey::kStep);
+  place.price = steps(prices[*leading] / (place.p_detect * place.unit_cost), BucketKey::kStep);
   place.cell.q = cell_of(place.q, BucketKey::kLeastQ, BucketKey::kMostQ);
   place.cell.price = cell_of(place.price, -BucketKey::kFarthest, BucketKey::kFarthest);
   const auto flatness = [](const Ellipse& e) {

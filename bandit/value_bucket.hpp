@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 
 #include "bandit/restless/value_set.hpp"
 #include "bandit/track_path.hpp"
@@ -55,12 +56,15 @@ struct BucketPlace {
   BucketKey cell;                              ///< its lowest corner
   StateMatrix to_units = StateMatrix::Zero();  ///< A: covariance A P A' in the units above
   double unit_cost = 1.0;                      ///< weight l^2, m^2
+  std::size_t leading = 0;                     ///< sensor of the situation
   double p_detect = 1.0;                       ///< of the leading radar
 };
 
-/// Of the track that the path is laid for; empty where no radar measures its position. The noise is the mean over the
-/// path's scans after now: as far as the track waits for its next look.
-std::optional<BucketPlace> place_of(const Situation& situation, std::size_t track, TrackPath& path, double price);
+/// Of the track that the path is laid for, at the leading radar's price of `prices`, one a sensor; empty where no radar
+/// measures its position. The noise is the mean over the path's scans after now: as far as the track waits for its next
+/// look.
+std::optional<BucketPlace> place_of(const Situation& situation, std::size_t track, TrackPath& path,
+                                    std::span<const double> prices);
 
 /// The corners of a cell of the grid, from its lowest: q, then price, a step up.
 inline constexpr int kCorners = 4;
