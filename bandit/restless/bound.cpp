@@ -120,6 +120,10 @@ Analysis analyse(const Problem& problem, const AnalysisSettings& settings) {
   };
   BoundKind kind = BoundKind::kReference;
   if (scalar) kind = exact && relaxation.solved ? BoundKind::kExact : BoundKind::kCertified;
+  const auto word_is_found = [&](const Arm& arm) { return best_rate(sharpest(arm), relaxation.price).found; };
+  if (exact && !problem.discount && !std::all_of(problem.arms.begin(), problem.arms.end(), word_is_found)) {
+    kind = BoundKind::kReference;
+  }
   if (exact && problem.discount && !std::all_of(problem.arms.begin(), problem.arms.end(), thresholds_are_best)) {
     kind = BoundKind::kReference;
   }

@@ -43,7 +43,7 @@ struct Stopped {};
 /// The bound and the priced values.
 ///
 ///   one state, P_d = 1     exact: mechanical words; discounted, threshold rules from p0 at the index's inverse, a
-///                          reference where check_indexability finds no such index
+///                          reference where check_indexability finds no such index, or waits are best beyond 2048 scans
 ///   one state, P_d < 1     certified: ScalarMesh
 ///   more states            reference: PricedArm, an average of policies that can be carried out; see `certify`
 ///

@@ -50,17 +50,20 @@ double mechanical_cost(const ScalarArm& arm, int m, int n) {
 
 RatedCost best_rate(const ScalarArm& arm, double price) {
   const auto at = [&](int m, int n) { return Rate{m, n, mechanical_cost(arm, m, n) + price * arm.dwell * m / n}; };
-  const auto mediant = [&](const Rate& a, const Rate& b) { return at(a.m + b.m, a.n + b.n); };
-  const auto answer = [&](const Rate& rate) {
+  const auto mediant = [&](const Rate& a, const Rate& b) {
+    if (a.n + b.n <= kLargestDenominator) return at(a.m + b.m, a.n + b.n);
+    return Rate{a.m + b.m, a.n + b.n, std::numeric_limits<double>::infinity()};
+  };
+  const auto answer = [&](const Rate& rate, bool found) {
     const double looks_a_scan = static_cast<double>(rate.m) / rate.n;
-    return RatedCost{rate.total - price * arm.dwell * looks_a_scan, looks_a_scan};
+    return RatedCost{rate.total - price * arm.dwell * looks_a_scan, looks_a_scan, found};
   };
   Rate low = at(0, 1);
   Rate high = at(1, 1);
-  if (arm.blind() || low.total <= at(1, kLargestDenominator).total) return answer(low);
-  if (high.total <= at(kLargestDenominator - 1, kLargestDenominator).total) return answer(high);
+  if (arm.blind() || low.total <= at(1, kLargestDenominator).total) return answer(low, true);
+  if (high.total <= at(kLargestDenominator - 1, kLargestDenominator).total) return answer(high, true);
   Rate middle = mediant(low, high);
-  while (middle.n + std::max(low.n, high.n) <= kLargestDenominator) {
+  for (;;) {
     const Rate left = mediant(low, middle);
     const Rate right = mediant(middle, high);
     if (left.total < middle.total) {
@@ -70,16 +73,13 @@ RatedCost best_rate(const ScalarArm& arm, double price) {
       low = middle;
       middle = right;
     } else {
+      const bool words_end = std::max(left.n, right.n) > kLargestDenominator;
+      const bool settled = std::max(left.total, right.total) - middle.total <= kSettled * middle.total;
+      if (words_end || settled) return answer(middle, std::isfinite(std::min(low.total, left.total)));
       low = left;
       high = right;
-      if (std::max(left.total, right.total) - middle.total <= kSettled * middle.total) break;
     }
   }
-  Rate best = middle;
-  for (const Rate& other : {low, high}) {
-    if (other.total < best.total) best = other;
-  }
-  return answer(best);
 }
 
 }  // namespace dwell::restless

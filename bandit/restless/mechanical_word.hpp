@@ -19,6 +19,7 @@ double mechanical_cost(const ScalarArm& arm, int m, int n);
 struct RatedCost {
   double cost = 0.0;  ///< a scan, without the price
   double rate = 0.0;  ///< looks a scan
+  bool found = true;  ///< else the best waits for longer than the words that are tried
 };
 /// Denominators to 2048, or until both neighbours of the best differ from it by less than 1e-12.
 RatedCost best_rate(const ScalarArm& arm, double price);

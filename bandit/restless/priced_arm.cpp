@@ -19,14 +19,18 @@ constexpr double kLazy = 0.5;
 constexpr double kSwept = 1e-11;
 /// Change of the value at which improvements may end while a hundredth of the points still waver, relative.
 constexpr double kSettled = 1e-9;
+/// Where there are more points than are kept all actions look changed: as often as this without a gain of this much,
+/// relative, and the improvements end.
+constexpr int kMostStalled = 2;
+constexpr double kStalled = 1e-6;
 /// Doublings of a pause; a covariance that has not moved after so many scans has settled.
 constexpr int kPauses = 30;
 /// A pause ends that far from its start, in the distance at which covariances are one: what is one with the end is then
 /// beyond the start. Requires distances below .04.
 constexpr double kApart = 1.05;
 constexpr double kCoarsest = 0.035;
-/// Prices are raised by so much at most from one solution to the next: each value begins the search for the next, and
-/// from far below it would begin with waits that are much too long.
+/// A price that is higher than the last by more is far: from its value the search begins with waits that are much too
+/// long, which may be more points than there are.
 constexpr double kPriceStep = 16.0;
 /// Discounted sweeps after which what is left is taken to be a constant.
 constexpr int kExtrapolate = 32;
@@ -55,6 +59,7 @@ PricedArm::PricedArm(const Arm& arm, double discount, const PricedArmSettings& s
   const double forgotten = 1.0 - std::min(discount * all_looks(arm).memory, kMostMemory);
   most_sweeps_ = std::max(3000, static_cast<int>(40.0 / forgotten));
   if (arm.states() > 2) same_point_ = std::max(same_point_, settings.same_point_of_many_states);
+  finest_ = same_point_;
   pauses_.push_back({1.0, discount_, idle_map_, q_, scan_cost_, 0.0});
   while (pauses_.size() < kPauses) {
     const Pause& half = pauses_.back();
@@ -172,20 +177,26 @@ int PricedArm::node_at(const Packed& p) {
   return nearest;
 }
 
-/// The first V is that of looks with every sensor in turn, without a pause: stable wherever some policy is. The seeds
-/// are the start and what periodic looks with longer and longer pauses pass.
+/// The first V is that of looks with every sensor in turn, without a pause, and with the gains that are right on
+/// average over detections and misses: the fixed gains with a finite cost wherever some have one (Sinopoli et al. 2004,
+/// IEEE Trans. AC 49(9), theorem 5). The seeds are the start and what periodic looks with longer and longer pauses
+/// pass.
 void PricedArm::seed() {
   const std::size_t sensors = arm_.sensors.size();
+  const auto expected_after = [&](const Sensor& sensor, const Matrix& before) -> Matrix {
+    const Matrix seen = look_update(sensor, before).covariance;
+    return restless::predict(arm_, sensor.p_detect * seen + (1.0 - sensor.p_detect) * before);
+  };
   Matrix p = all_looks(arm_).covariance;
   for (int turn = 0; turn < 300; ++turn) {
-    for (const Sensor& sensor : arm_.sensors) p = restless::predict(arm_, look_update(sensor, p).covariance);
+    for (const Sensor& sensor : arm_.sensors) p = expected_after(sensor, p);
   }
   std::vector<int> cycle;
   for (const Sensor& sensor : arm_.sensors) {
     const int k = find_or_add(pack_state(p));
     if (!cycle.empty() && k <= cycle.back()) break;  // sensors that are alike: one stands for them
     cycle.push_back(k);
-    p = restless::predict(arm_, look_update(sensor, p).covariance);
+    p = expected_after(sensor, p);
   }
   for (std::size_t i = 0; i < cycle.size(); ++i) {
     const int next = cycle[(i + 1) % cycle.size()];
@@ -251,9 +262,9 @@ bool PricedArm::choose(std::size_t k, double price) {
   return !was_active || best != before;
 }
 
-/// All but the seeds are forgotten, and twice as much is one point: before them there were too many.
-void PricedArm::coarsen() {
-  same_point_ = std::min(2.0 * same_point_, kCoarsest);
+/// All points but the seeds are forgotten; what is one point from now on.
+void PricedArm::restart(double same_point) {
+  same_point_ = same_point;
   std::vector<Packed> starts;
   for (const int k : seeds_) starts.push_back(points_[static_cast<std::size_t>(k)].p);
   points_.clear();
@@ -568,11 +579,14 @@ void PricedArm::publish(double price) {
 }
 
 PricedValue PricedArm::solve(double price) {
-  if (price_ == 0.0) price_ = gain_of_all_looks();
-  const double steps = price_ > 0.0 ? std::ceil(std::log(price / price_) / std::log(kPriceStep)) : 0.0;
-  const double ratio = std::pow(price / price_, 1.0 / steps);
-  for (double step = 1.0; step < steps; ++step) (void)improve(price_ *= ratio);
-  return improve(price_ = price);
+  const bool far = !(price <= kPriceStep * price_);
+  const double from = price_ > 0.0 ? price_ : gain_of_all_looks();
+  const PricedValue value = improve(price_ = price);
+  if (!far || !full_ || from <= 0.0) return value;
+  // Waits were much too long for the points: from a price that is near.
+  const double steps = std::ceil(std::log(price / from) / std::log(kPriceStep));
+  for (double step = 1.0; step < steps; ++step) (void)improve(from * std::pow(price / from, step / steps));
+  return improve(price);
 }
 
 /// Per dwell, in a scan in which every look before was made.
@@ -585,13 +599,25 @@ double PricedArm::gain_of_all_looks() const {
   return gain / arm_.dwell;
 }
 
-/// Policy iteration at a price, from the last V.
+/// Policy iteration at a price, from the last V. Where points stand for others it is no descent: the best V counts.
 PricedValue PricedArm::improve(double price) {
+  struct {
+    PricedValue total;
+    ValueSet value;
+    Eigen::VectorXd cost, work;
+  } best;
   PricedValue value;
-  for (int improvement = 0; improvement < settings_.improvements; ++improvement) {
+  int stalled = 0;
+  for (int improvement = 0; improvement < settings_.improvements && stalled < kMostStalled; ++improvement) {
+    same_point_ = std::max(finest_, 0.5 * same_point_);
     std::size_t changed = follow(price);
+    full_ = too_many_;
+    if (full_) {  // those of the policy before count as well
+      restart(same_point_);
+      changed = follow(price);
+    }
     while (too_many_ && same_point_ < kCoarsest) {
-      coarsen();
+      restart(std::min(2.0 * same_point_, kCoarsest));
       changed = follow(price);
     }
     if (evaluate(price)) {
@@ -606,11 +632,17 @@ PricedValue PricedArm::improve(double price) {
       const Eigen::Index plan = value_.best_plan(start);
       value = {value_.weights().col(plan).dot(start) + published_cost_[plan], published_work_[plan]};
     }
+    const double least = best.total.total(price);
+    stalled = full_ && improvement > 0 && value.total(price) > (1.0 - kStalled) * least ? stalled + 1 : 0;
+    if (improvement == 0 || value.total(price) <= least) best = {value, value_, published_cost_, published_work_};
     if (changed == 0) break;
     const bool settled = std::abs(value.total(price) - before) <= kSettled * std::abs(before);
     if (settled && 100 * changed < points_.size()) break;
   }
-  return value;
+  value_ = std::move(best.value);
+  published_cost_ = std::move(best.cost);
+  published_work_ = std::move(best.work);
+  return best.total;
 }
 
 }  // namespace dwell::restless

@@ -15,8 +15,8 @@ struct PricedValue {
 };
 
 struct PricedArmSettings {
-  int maximum_points = 2000;  ///< where more are asked for, what is one point is doubled
-  int improvements = 60;  ///< of the policy; a dozen is usual
+  int maximum_points = 2000;  ///< where a policy asks for more, twice as much is one point
+  int improvements = 60;      ///< of the policy; a dozen is usual
   /// Covariances this close, relative to their standard deviations, are one point. Plans are tangents of V: what is
   /// lost is of second order. Where misses branch, the coarser one keeps the points few.
   double same_point = 1e-3;
@@ -106,7 +106,7 @@ class PricedArm {
   double next_discount(std::size_t k) const;
   int find_or_add(const Packed& p);
   int node_at(const Packed& p);
-  void coarsen();
+  void restart(double same_point);
   void seed();
   double action_cost(const Point& point, int sensor, double idle, double price) const;
   bool choose(std::size_t k, double price);
@@ -127,7 +127,8 @@ class PricedArm {
   Arm arm_;
   double discount_;
   PricedArmSettings settings_;
-  double same_point_;
+  double same_point_;   // of the present policy
+  double finest_;       // where its points are not too many
   int most_sweeps_;     // of the weights
   PackedMap idle_map_;  // P -> F P F'
   Packed q_;
@@ -135,6 +136,7 @@ class PricedArm {
   std::vector<Pause> pauses_;  // of 1, 2, 4, .. scans
   std::vector<int> seeds_;
   bool too_many_ = false;  // points were asked for
+  bool full_ = false;      // so it was in the last improvement
   std::vector<Point> points_;
   std::vector<Node> nodes_;              // one a point
   Eigen::MatrixXd weights_;              // m x points

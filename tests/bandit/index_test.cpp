@@ -2,11 +2,13 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <thread>
 
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
+#include "bandit/restless/covariance.hpp"
 #include "tests/bandit/scene.hpp"
 
 namespace dwell::testing {
@@ -123,6 +125,56 @@ TEST(ValueBucket, PlacesAreInterpolatedBetweenTheCornersOfTheirCell) {
   EXPECT_EQ(corner_weights(place), (std::array{0.375, 0.125, 0.375, 0.125}));
   EXPECT_EQ(corner_of(place.cell, 3).q, -3);
   EXPECT_EQ(corner_of(place.cell, 3).price, 5);
+}
+
+/// Average cost of looks with one sensor, or both in turn, every so many scans: the best.
+double best_periodic_total(const restless::Arm& arm, double price) {
+  double best = std::numeric_limits<double>::infinity();
+  const auto follow = [&](int wait, std::size_t first, std::size_t step) {
+    constexpr int kSettled = 12, kCounted = 4;  // turns
+    restless::Matrix p = arm.p0;
+    double cost = 0.0;
+    for (int turn = 0; turn < kSettled + kCounted; ++turn) {
+      if (turn == kSettled) cost = 0.0;
+      for (int scan = 1; scan < wait; ++scan) {
+        cost += restless::scan_cost(arm, p);
+        p = restless::predict(arm, p);
+      }
+      const std::size_t sensor = (first + step * static_cast<std::size_t>(turn)) % arm.sensors.size();
+      p = restless::look_update(arm.sensors[sensor], p).covariance;
+      cost += restless::scan_cost(arm, p) + price;
+      p = restless::predict(arm, p);
+    }
+    best = std::min(best, cost / (kCounted * wait));
+  };
+  for (int wait = 1; wait <= 100; ++wait) {
+    for (std::size_t first = 0; first < arm.sensors.size(); ++first) {
+      for (const std::size_t step : {0, 1}) follow(wait, first, step);
+    }
+  }
+  return best;
+}
+
+/// Also where waits are long. The sets merge covariances within 3 % and keep at most 500: what that costs them.
+TEST(ValueBucket, SetsAreAsGoodAsPeriodicLooks) {
+  for (const int q : {-12, -8, 0}) {
+    for (const int price : {2, 8, 14}) {
+      for (const bool other : {false, true}) {
+        BucketKey key;
+        key.q = static_cast<std::int8_t>(q);
+        key.price = static_cast<std::int8_t>(price);
+        key.flat = -2;
+        if (other) {
+          key.size = 1;
+          key.other_flat = -2;
+          key.angle = 1;
+        }
+        const PricedBucket set = solve_bucket(key);
+        const double total = set.cost + set.price * set.rate;
+        EXPECT_LE(total, 1.03 * best_periodic_total(arm_of(key), price_of(key))) << q << ' ' << price << ' ' << other;
+      }
+    }
+  }
 }
 
 TEST(ValueBucket, KeysAreNumbers) {

@@ -112,6 +112,33 @@ TEST(PricedArm, HasAPlanWhateverTheWeights) {
   }
 }
 
+/// The best wait of a random walk is about sqrt(2 price / q), here 1400 scans and 4500, and words have 2048 at most.
+TEST(MechanicalWord, SaysWhereTheBestOneIsBeyondThoseTried) {
+  const ScalarArm walk{1.0, 0.01, 5.0, 1.0, 1.0, 1.0};
+  const RatedCost found = best_rate(walk, 1e4);
+  EXPECT_TRUE(found.found);
+  for (const double other : {0.999, 1.001}) {
+    const int wait = static_cast<int>(std::lround(other / found.rate));
+    EXPECT_LT(found.cost + 1e4 * found.rate, mechanical_cost(walk, 1, wait) + 1e4 / wait);
+  }
+  EXPECT_FALSE(best_rate(walk, 1e5).found);
+}
+
+/// The gains that are right where every look detects diverge here: 16 times as much noise as a look has, and one look
+/// in three misses.
+TEST(PricedArm, HasAFiniteCostWherePreciseLooksMiss) {
+  for (const double p_detect : {0.5, 0.6, 0.7}) {
+    Arm arm = constant_velocity_arm(8.0, 0.5);
+    arm.sensors.front().p_detect = p_detect;
+    PricedArm set(arm, 1.0);
+    const PricedValue often = set.solve(1.0);
+    EXPECT_GT(often.usage, 0.9);
+    const PricedValue seldom = set.solve(1e4);
+    EXPECT_LT(seldom.usage, 0.5);
+    EXPECT_LT(seldom.total(1e4), often.total(1e4));
+  }
+}
+
 /// A discount near 1: the constants of a plan are sums of thousands of scans. Against the threshold rules' sums.
 TEST(PricedArm, EqualsTheThresholdRulesNearDiscountOne) {
   Problem problem = s2a();

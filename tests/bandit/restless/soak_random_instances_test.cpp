@@ -130,8 +130,8 @@ TEST(RestlessSoak, IndexOverRandomInstances) {
       ++lost;
       losses += part;
       largest_loss = std::max(largest_loss, part);
-      std::printf("seed %d: index %.6g, sa_imm %.6g, worse by %.2f %% +- %.2f, bound %.6g; %s\n", static_cast<int>(seed),
-                  mean[0], mean[1], 100.0 * part, 100.0 * half_width, analysis.bound.value,
+      std::printf("seed %d: index %.6g, sa_imm %.6g, worse by %.2f %% +- %.2f, bound %.6g; %s\n",
+                  static_cast<int>(seed), mean[0], mean[1], 100.0 * part, 100.0 * half_width, analysis.bound.value,
                   description(problem).c_str());
       std::fflush(stdout);
     }
@@ -145,7 +145,8 @@ TEST(RestlessSoak, IndexOverRandomInstances) {
   std::printf(
       "index better than sa_imm in %.0f %%, by %.2f %% on average; worse by over .5 %% and its error in %.1f %%, by "
       "%.2f %% on average, %.2f %% at most\n",
-      100.0 * wins / count, wins > 0 ? 100.0 * gained / wins : 0.0, 100.0 * lost / count, lost > 0 ? 100.0 * losses / lost : 0.0, 100.0 * largest_loss);
+      100.0 * wins / count, wins > 0 ? 100.0 * gained / wins : 0.0, 100.0 * lost / count,
+      lost > 0 ? 100.0 * losses / lost : 0.0, 100.0 * largest_loss);
   EXPECT_LT(gaps[0].sum, gaps[1].sum);
 }
 
