@@ -269,7 +269,7 @@ TEST(NamedBank, CruiseAndTurn) {
   EXPECT_EQ(discrete.q[0](kVx, kVx), 0.1);
   EXPECT_EQ(discrete.q[1](kVx, kVx), 60.0);
   EXPECT_EQ(discrete.q[2](kVx, kVx), 2000.0);
-  EXPECT_EQ(discrete.transition, matrix({{.9955, .0040, .0005}, {.0200, .9750, .0050}, {.0100, .1900, .8000}}));
+  EXPECT_EQ(discrete.transition, matrix({{.9940, .0055, .0005}, {.0100, .9850, .0050}, {.0100, .1400, .8500}}));
   EXPECT_EQ(bank.initial_probability, Eigen::Vector3d(.9, .05, .05));
 }
 
