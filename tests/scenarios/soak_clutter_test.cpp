@@ -138,7 +138,7 @@ TEST(ClutterSoak, LostTracksInSteadyCruise) {
 }
 
 // A 3 g turn leaves the cruise mode's gate within three looks. What may take it then, in a bank of white-noise modes,
-// is a mode whose gate is eight times as large: with .3 false plots in the gate of cruise more than two in its own, and
+// is a mode whose gate is five times as large: with .3 false plots in the gate of cruise 1.6 in its own, and
 // no plot of it weighs more than another. Modes that turn keep their gate small, and the target.
 TEST(ClutterSoak, LostTracksInATurn) {
   const int runs = scaled(kRuns);

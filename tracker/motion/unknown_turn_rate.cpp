@@ -1,5 +1,6 @@
 #include "tracker/motion/unknown_turn_rate.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <boost/math/quadrature/gauss.hpp>
@@ -10,7 +11,7 @@ namespace dwell {
 namespace {
 
 constexpr int kRate = kStateSize;
-constexpr double kStraight = 1e-9;  // rad/s: a turn in two centuries
+constexpr double kStraight = 1e-14;  // rad/s: no turn, where dividing by none fails
 
 Vector2 left_of(const Vector2& v) { return {-v.y(), v.x()}; }
 
@@ -42,7 +43,8 @@ Moved move(const UnknownTurnRate& motion, double dt_s, const FullState& x) {
   moved.mean << moved.f.topLeftCorner<kStateSize, kStateSize>() * before, x.tail<2>();
   moved.f.block<kStateSize, 1>(0, kRate) = slope_of_rate(rate, dt_s, velocity(before));
   moved.q.topLeftCorner<kStateSize, kStateSize>() = white_noise(turn, motion.acceleration_density, dt_s);
-  const int pieces = 1 + static_cast<int>(0.5 * std::abs(rate) * dt_s);
+  constexpr double kMostPieces = 16.0;  // five turns over the interval: beyond, what is linearised means nothing
+  const int pieces = 1 + static_cast<int>(std::min(kMostPieces, 0.5 * std::abs(rate) * dt_s));
   const double width = dt_s / pieces;
   using Rule = boost::math::quadrature::gauss<double, 10>;
   for (int piece = 0; piece < pieces; ++piece) {
