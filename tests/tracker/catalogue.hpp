@@ -52,11 +52,12 @@ struct NamedTrailing {
 };
 
 static_assert(std::variant_size_v<TrailingMotion> == 3, "a new motion needs a row below");
-inline std::vector<NamedTrailing> every_trailing(){return {{"constant_acceleration", ConstantAcceleration{2.0}},
-                                                           {"singer", Singer{10.0, 20.0}},
-                                                           {"singer_short", Singer{10.0, 0.3}},
-                                                           {"singer_long", Singer{10.0, 1e4}},
-                                                           {"unknown_turn_rate", UnknownTurnRate{1.0, 1e-4}}};
+inline std::vector<NamedTrailing> every_trailing() {
+  return {{"constant_acceleration", ConstantAcceleration{2.0}},
+          {"singer", Singer{10.0, 20.0}},
+          {"singer_short", Singer{10.0, 0.3}},
+          {"singer_long", Singer{10.0, 1e4}},
+          {"unknown_turn_rate", UnknownTurnRate{1.0, 1e-4}}};
 }
 
 /// One mode of every motion, of either kind, with white noise.
