@@ -72,7 +72,7 @@ Engine::Engine(const EngineConfig& config)
     : config_(config),
       root_(config.seed),
       policy_stream_(root_.fork("policy")),
-      tracker_(bank_of(config), config.bank.initial_probability, config.tracker),
+      tracker_(bank_of(config), config.bank.initial_probability, config.tracker, root_.fork("particles")),
       policy_(make_policy(config.policy)),
       beliefs_(beliefs_of(config)),
       calibrator_(config, beliefs_) {
@@ -403,8 +403,8 @@ void Engine::count_losses() {
     const bool target_lives =
         has_target && targets_[links_[i].target].id == links_[i].id && targets_[links_[i].target].state.has_value();
     ++(target_lives ? counts_.tracks_lost : counts_.tracks_dropped);
-    if (tracks_[i].loss == LossCause::kNumerics) ++counts_.filter_failures;
   }
+  counts_.filter_failures = tracker_.failures();
 }
 
 void Engine::report_truth() {

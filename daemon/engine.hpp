@@ -46,7 +46,7 @@ struct ScanReport {
 struct EngineCounts {
   std::uint64_t tracks_lost = 0;          ///< while their target lived
   std::uint64_t tracks_dropped = 0;       ///< after their target had ended, and those that never had one
-  std::uint64_t filter_failures = 0;      ///< of the two, those for numerical reasons
+  std::uint64_t filter_failures = 0;      ///< a track's numbers failed: it began anew, or was lost
   std::uint64_t tracks_initiated = 0;     ///< confirmed from surveillance looks
   std::uint64_t tracks_false = 0;         ///< of these, those that were of no target
   std::vector<std::uint64_t> looks;       ///< of each sensor

@@ -9,6 +9,8 @@ struct Gaussian {
   StateMatrix covariance = StateMatrix::Zero();
 };
 
+inline bool is_finite(const Gaussian& g) { return g.mean.allFinite() && g.covariance.allFinite(); }
+
 /// What a numerical step says of itself. On any error its output must not be used.
 enum class [[nodiscard]] Numerics{
     kOk,

@@ -21,8 +21,6 @@ Gaussian moment_match(const std::vector<Gaussian>& modes, const Weight& weight) 
   return matched;
 }
 
-bool is_finite(const Gaussian& gaussian) { return gaussian.mean.allFinite() && gaussian.covariance.allFinite(); }
-
 }  // namespace
 
 ImmEstimate make_estimate(const Gaussian& belief, const Eigen::VectorXd& probability) {

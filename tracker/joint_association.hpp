@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -30,7 +31,31 @@ class JointAssociation {
   /// `ratio` is rivals x plots, row by row, >= 0; `factor` takes e_i of every plot, in (0, 1].
   void solve(std::span<const double> ratio, std::size_t rivals, std::span<double> factor);
 
+  /// The same of pruned events (JPDA*): of the joint events in which the same tracks have the same plots, only the
+  /// likeliest way to deal them out is kept. Tracks side by side then do not lean to each other's plots until they are
+  /// one. `own` is the ratio of each plot for the track itself; with W the sums over the events that are kept
+  ///
+  ///   e_i = W(plot i is mine) / (own_i W(none is mine))
+  ///
+  /// which may exceed one. The number of events is bounded: beyond kMostEvents, or 64 plots that anybody may take, all
+  /// are kept, as in `solve`. Cost     O(events log events). Source   Blom, Bloem (2000), IEEE T-AC 45(2),
+  /// "Probabilistic data association avoiding track coalescence".
+  void solve_pruned(std::span<const double> own, std::span<const double> ratio, std::size_t rivals,
+                    std::span<double> factor);
+  static constexpr std::size_t kMostEvents = 1 << 16;
+
  private:
+  struct Event {
+    std::uint64_t plots = 0;   // that somebody has, by their places among those that anybody may take
+    std::uint32_t tracks = 0;  // that have one; bit 0 is the track itself
+    std::uint32_t mine = 0;    // plot + 1, 0: none
+    double weight = 1.0;
+  };
+  bool list_events(std::span<const double> own, std::span<const double> ratio, std::size_t rivals);
+  void deal_out(std::span<const double> ratio, std::uint32_t track);
+
+  std::vector<std::uint32_t> shared_;  // plots that anybody may take
+  std::vector<Event> events_;
   std::vector<double> before_;  // [plot][set]: of the plots before this one, by the rivals that have taken them
   std::vector<double> after_;   // [plot][set]: of the plots from this one on, by rivals outside the set
 };

@@ -12,12 +12,13 @@ void PlotCluster::reserve(std::size_t plots, std::size_t modes) {
   plot_in_own_.reserve(plots);
   plot_in_cluster_.reserve(plots);
   factor_.reserve(plots);
+  own_ratio_.reserve(plots);
   ratio_.reserve(plots * JointAssociation::kMostRivals);
   joint_.reserve(plots);
 }
 
 void PlotCluster::exclude(TrackId id, const AssociationEvents& own, std::span<const Track> rivals, const Sensor& sensor,
-                          UpdateForm form, double gate, const State& pointing, std::span<const Plot> plots,
+                          UpdateForm form, double gate, const State& pointing, std::span<const Plot> plots, bool pruned,
                           std::span<double> factor) {
   std::fill(factor.begin(), factor.end(), 1.0);
   chosen_.clear();
@@ -34,7 +35,13 @@ void PlotCluster::exclude(TrackId id, const AssociationEvents& own, std::span<co
     }
   }
   factor_.resize(plots.size());
-  joint_.solve(ratio_, chosen_.size(), factor_);
+  if (pruned) {
+    own_ratio_.assign(plots.size(), 0.0);
+    for (std::size_t i = 0; i < own.size(); ++i) own_ratio_[own.plot(i)] = own.sum(i) / own.none();
+    joint_.solve_pruned(own_ratio_, ratio_, chosen_.size(), factor_);
+  } else {
+    joint_.solve(ratio_, chosen_.size(), factor_);
+  }
   for (std::size_t i = 0; i < own.size(); ++i) factor[i] = factor_[own.plot(i)];
 }
 

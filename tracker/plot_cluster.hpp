@@ -19,9 +19,10 @@ class PlotCluster {
   void reserve(std::size_t plots, std::size_t modes);
 
   /// Fills `factor` with e_i of each plot in the gate of `own` (events of the track `id`, in this look). Rivals that
-  /// are lost or whose numbers fail are passed over, as are those outside the footprint.
+  /// are lost or whose numbers fail are passed over, as are those outside the footprint. `pruned`:
+  /// JointAssociation::solve_pruned.
   void exclude(TrackId id, const AssociationEvents& own, std::span<const Track> rivals, const Sensor& sensor,
-               UpdateForm form, double gate, const State& pointing, std::span<const Plot> plots,
+               UpdateForm form, double gate, const State& pointing, std::span<const Plot> plots, bool pruned,
                std::span<double> factor);
 
   /// Rivals counted in the last call.
@@ -48,6 +49,7 @@ class PlotCluster {
   std::vector<std::size_t> chosen_;
   std::vector<char> plot_in_cluster_;  // by place in the look
   std::vector<char> plot_in_own_;
+  std::vector<double> own_ratio_;
   std::vector<double> ratio_;
   std::vector<double> factor_;
   JointAssociation joint_;

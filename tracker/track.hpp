@@ -5,7 +5,7 @@
 
 #include "radar/ids.hpp"
 #include "radar/time.hpp"
-#include "tracker/imm.hpp"
+#include "tracker/particle/particle_filter.hpp"
 
 namespace dwell {
 
@@ -20,16 +20,17 @@ enum class LossCause {
                ///< probability of existence fell below the limit
   kFromTruth,  ///< simulation only: the truth stayed far from the prediction
   kUncertain,  ///< nobody has looked for so long that the position is unknown
-  kNumerics,   ///< the filter's numbers failed
+  kNumerics,   ///< the filter's numbers failed, and there was no belief to begin anew from
 };
 
 /// Belief about one target.
 struct Track {
   TrackId id;
   std::string name;
-  double weight = 1.0;   ///< multiplies its cost in every policy
-  ImmEstimate estimate;  ///< at the last scan: predicted, and updated where a look gave a plot
-  Gaussian combined;     ///< moment-matched estimate
+  double weight = 1.0;                      ///< multiplies its cost in every policy
+  ImmEstimate estimate;                     ///< at the last scan: predicted, and updated where a look gave a plot
+  std::optional<ParticleFilter> particles;  ///< what `estimate` is of, where that is no IMM
+  Gaussian combined;                        ///< moment-matched estimate
   TrackStatus status = TrackStatus::kConfirmed;
   std::optional<LossCause> loss;
   int age_scans = 0;
@@ -39,6 +40,7 @@ struct Track {
   std::optional<double> nis;          ///< of the last plot used, 2 degrees of freedom
   int rejections = 0;                 ///< consecutive looks whose plots were all outside the gate
   double log_miss_probability = 0.0;  ///< of the present run of looks without a plot in the gate
+  bool restarted = false;             ///< its numbers failed since the last plot used
   bool tentative = false;             ///< begun by plots and not yet believed: track initiation judges it
   std::optional<double> existence;    ///< probability that the target exists; only where the association computes it
 

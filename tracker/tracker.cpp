@@ -1,6 +1,7 @@
 #include "tracker/tracker.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -14,12 +15,26 @@ namespace {
 /// Of a sum of logarithms: runs of just the limit's probability, .1^8 or .01^4 of 1e-8, count as reaching it.
 constexpr double kLogRounding = 1e-9;
 
+bool is_gaussian(const Gaussian& g) {
+  return is_finite(g) && Eigen::LLT<StateMatrix>(g.covariance).info() == Eigen::Success;
+}
+
+ImmEstimate estimate_of(const ParticleFilter& particles) {
+  return std::visit([](const auto& filter) { return filter.estimate(); }, particles);
+}
+
 }  // namespace
 
-Tracker::Tracker(DiscreteBank bank, Eigen::VectorXd initial_probability, const TrackerSettings& settings)
-    : bank_(std::move(bank)), initial_probability_(std::move(initial_probability)), settings_(settings) {
+Tracker::Tracker(DiscreteBank bank, Eigen::VectorXd initial_probability, const TrackerSettings& settings,
+                 const RandomStream& particles)
+    : bank_(std::move(bank)),
+      initial_probability_(std::move(initial_probability)),
+      settings_(settings),
+      particle_stream_(particles) {
   DWELL_ASSERT(bank_.size() >= 1 && bank_.size() <= kMostModes);
   DWELL_ASSERT(initial_probability_.size() == bank_.size());
+  DWELL_ASSERT(!settings_.particles ||
+               (settings_.association == Association::kNearest && settings_.update == UpdateForm::kEkf));
   scratch_ = make_estimate({}, initial_probability_);
   measurements_.resize(scratch_.modes.size());
   innovations_.resize(scratch_.modes.size());
@@ -30,17 +45,34 @@ void Tracker::reserve(std::size_t plots) {
   if (settings_.association == Association::kNearest) return;
   events_.reserve(plots, scratch_.modes.size());
   factor_.reserve(plots);
-  if (settings_.association == Association::kJpda) cluster_.reserve(plots, scratch_.modes.size());
+  if (settings_.is_joint()) cluster_.reserve(plots, scratch_.modes.size());
 }
 
 Track Tracker::start(TrackId id, std::string name, const Gaussian& belief) const {
   Track track;
   track.id = id;
   track.name = std::move(name);
-  track.estimate = make_estimate(belief, initial_probability_);
-  track.combined = belief;
+  begin(track, belief);
   if (settings_.has_existence()) track.existence = 1.0;
   return track;
+}
+
+/// Every mode at the belief.
+void Tracker::begin(Track& track, const Gaussian& belief) const {
+  track.estimate = make_estimate(belief, initial_probability_);
+  track.combined = belief;
+  if (!settings_.particles) return;
+  track.particles.emplace(make_particles(*settings_.particles, bank_, belief, initial_probability_,
+                                         particle_stream_.fork(track.id.number).fork(track.age_scans)));
+}
+
+void Tracker::fail(Track& track) {
+  ++failures_;
+  const Gaussian belief = track.combined;
+  if (track.restarted || !is_gaussian(belief)) return track.lose(LossCause::kNumerics);
+  track.restarted = true;
+  track.status = TrackStatus::kCoasting;
+  begin(track, belief);
 }
 
 std::optional<Gaussian> Tracker::belief_from(const Plot& plot, const Sensor& sensor, double speed_sigma_mps) {
@@ -57,12 +89,29 @@ std::optional<Gaussian> Tracker::belief_from(const Plot& plot, const Sensor& sen
 void Tracker::predict(Track& track) {
   ++track.age_scans;
   ++track.unseen_scans;
-  if (dwell::predict(bank_, track.estimate, scratch_) != Numerics::kOk) return track.lose(LossCause::kNumerics);
-  std::swap(track.estimate, scratch_);
-  track.combined = combine(track.estimate);
+  if (advance(track) != Numerics::kOk) {
+    fail(track);
+    if (track.alive() && advance(track) != Numerics::kOk) fail(track);
+    if (!track.alive()) return;
+  }
   const double variance = position_block(track.combined.covariance).trace();
   if (variance > settings_.lost_sigma_m * settings_.lost_sigma_m) track.lose(LossCause::kUncertain);
   if (track.existence) *track.existence *= settings_.existence.survival;
+}
+
+/// On an error the track is unchanged, but for the particles.
+Numerics Tracker::advance(Track& track) {
+  if (track.particles) {
+    std::visit([](auto& filter) { filter.predict(); }, *track.particles);
+    scratch_ = estimate_of(*track.particles);
+  } else if (const Numerics moved = dwell::predict(bank_, track.estimate, scratch_); moved != Numerics::kOk) {
+    return moved;
+  }
+  const Gaussian combined = combine(scratch_);
+  if (!is_finite(combined)) return Numerics::kNotFinite;
+  std::swap(track.estimate, scratch_);
+  track.combined = combined;
+  return Numerics::kOk;
 }
 
 LookOutcome Tracker::look(Track& track, const Sensor& sensor, const Dwell& dwell, std::span<const Plot> plots,
@@ -96,16 +145,18 @@ void Tracker::mark_gated(const Track& track, const Sensor& sensor, std::span<con
 /// clutter and without another track at the plots.
 bool Tracker::look_at_all(Track& track, const Sensor& sensor, const Dwell& dwell, std::span<const Plot> plots,
                           std::span<const Track> others, LookOutcome& outcome) {
-  const bool joint = settings_.association == Association::kJpda;
+  const bool joint = settings_.is_joint();
+  const bool pruned = settings_.association == Association::kJpdaStar;
   if (sensor.clutter_density() <= 0.0 && !joint) return false;
   const State pointing = dwell.pointing;
   if (events_.list(sensor, settings_.update, settings_.gate, track.estimate, pointing, plots) != Numerics::kOk) {
-    track.lose(LossCause::kNumerics);
+    fail(track);
     return true;
   }
   factor_.assign(events_.size(), 1.0);
   if (joint) {
-    cluster_.exclude(track.id, events_, others, sensor, settings_.update, settings_.gate, pointing, plots, factor_);
+    cluster_.exclude(track.id, events_, others, sensor, settings_.update, settings_.gate, pointing, plots, pruned,
+                     factor_);
     if (sensor.clutter_density() <= 0.0 && cluster_.rivals() == 0) return false;
   }
   double likeliest = events_.none();
@@ -119,14 +170,17 @@ bool Tracker::look_at_all(Track& track, const Sensor& sensor, const Dwell& dwell
   const double likelihood_ratio = events_.likelihood_ratio(factor_);
   const double detection = std::min(sensor.detection_probability(track.combined.mean), kLargestBelievedDetection);
   events_.update(factor_, track.estimate);
-  track.combined = combine(track.estimate);
-  if (!track.combined.mean.allFinite() || !track.combined.covariance.allFinite()) {
-    track.lose(LossCause::kNumerics);
+  const Gaussian combined = combine(track.estimate);
+  if (!is_finite(combined)) {
+    fail(track);
+    outcome = {};
     return true;
   }
+  track.combined = combined;
   track.rejections = 0;
   if (outcome.used_plot) {
     track.status = TrackStatus::kConfirmed;
+    track.restarted = false;
     track.log_miss_probability = 0.0;
   } else {
     count_miss(track, detection);
@@ -138,7 +192,7 @@ bool Tracker::look_at_all(Track& track, const Sensor& sensor, const Dwell& dwell
 LookOutcome Tracker::look_at_nearest(Track& track, const Sensor& sensor, std::span<const Plot> plots) {
   LookOutcome outcome;
   if (predict_measurements(sensor, settings_.update, track.estimate, measurements_) != Numerics::kOk) {
-    track.lose(LossCause::kNumerics);
+    fail(track);
     return outcome;
   }
   double best = -std::numeric_limits<double>::infinity();
@@ -158,19 +212,28 @@ LookOutcome Tracker::look_at_nearest(Track& track, const Sensor& sensor, std::sp
     return outcome;
   }
   const double nis = mixture_squared_distance(measurements_, track.estimate.probability, best_innovations_);
-  const Numerics updated = update(measurements_, best_innovations_, track.estimate);
+  const Numerics updated = take(sensor, plots[*outcome.used_plot], track);
   const Gaussian combined = combine(track.estimate);
-  if (updated != Numerics::kOk || !combined.mean.allFinite() || !combined.covariance.allFinite()) {
-    track.lose(LossCause::kNumerics);
-    return outcome;
+  if (updated != Numerics::kOk || !is_finite(combined)) {
+    fail(track);
+    return {};
   }
   track.combined = combined;
   track.nis = nis;
   track.status = TrackStatus::kConfirmed;
+  track.restarted = false;
   track.rejections = 0;
   track.log_miss_probability = 0.0;
   if (track.existence) track.existence = 1.0;  // without clutter a plot is proof
   return outcome;
+}
+
+/// Updates with a plot whose innovations are `best_innovations_`.
+Numerics Tracker::take(const Sensor& sensor, const Plot& plot, Track& track) {
+  if (!track.particles) return update(measurements_, best_innovations_, track.estimate);
+  const Numerics updated = std::visit([&](auto& filter) { return filter.update(sensor, plot.z); }, *track.particles);
+  if (updated == Numerics::kOk) track.estimate = estimate_of(*track.particles);
+  return updated;
 }
 
 /// Fills `innovations_` and says whether the plot is in the gate of any mode.
@@ -204,22 +267,37 @@ double Tracker::log_density(const Track& track) const {
 
 /// A look without a plot in the gate is evidence too, by Bayes: mu_j proportional to c_j (1 - P_d F_j), F_j the
 /// probability that mode j's target is in the footprint. Modes whose target may well have left the beam gain.
-void Tracker::miss(Track& track, const Sensor& sensor, bool had_plots) const {
+void Tracker::miss(Track& track, const Sensor& sensor, bool had_plots) {
   if (had_plots) ++track.rejections;
   const State pointing = track.combined.mean;
   const double detection = std::min(sensor.detection_probability(pointing), kLargestBelievedDetection);
   double unseen = 1.0 - detection;
   if (sensor.footprint_half_extent().allFinite()) {  // without a beam a miss says the same of every mode
-    for (int j = 0; j < track.estimate.size(); ++j) {
-      const double inside = footprint_probability(sensor, track.estimate.modes[j], pointing);
-      track.estimate.probability[j] *= 1.0 - detection * inside;
+    std::array<double, kMostModes> missed{};
+    unseen = 0.0;
+    for (std::size_t j = 0; j < track.estimate.modes.size(); ++j) {
+      missed[j] = 1.0 - detection * footprint_probability(sensor, track.estimate.modes[j], pointing);
+      unseen += track.estimate.probability[static_cast<Eigen::Index>(j)] * missed[j];
     }
-    unseen = track.estimate.probability.sum();
-    track.estimate.probability /= unseen;
+    if (weigh_modes(std::span(missed).first(track.estimate.modes.size()), track) != Numerics::kOk) return fail(track);
     track.combined = combine(track.estimate);
   }
   count_miss(track, detection);
   judge_existence(track, unseen);
+}
+
+/// mu_j proportional to mu_j factor_j.
+Numerics Tracker::weigh_modes(std::span<const double> factor, Track& track) const {
+  if (track.particles) {
+    const Numerics weighed = std::visit([&](auto& filter) { return filter.weigh(factor); }, *track.particles);
+    if (weighed == Numerics::kOk) track.estimate = estimate_of(*track.particles);
+    return weighed;
+  }
+  for (std::size_t j = 0; j < factor.size(); ++j) {
+    track.estimate.probability[static_cast<Eigen::Index>(j)] *= factor[j];
+  }
+  track.estimate.probability /= track.estimate.probability.sum();
+  return Numerics::kOk;
 }
 
 /// The run of misses is judged by P_d alone: a target that has left the beam is lost as well.

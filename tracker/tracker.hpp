@@ -16,10 +16,11 @@ namespace dwell {
 /// Which plots of a look update its track. Where a sensor has no clutter and no other track shares the plots, all are
 /// kNearest: the one target is what can be seen.
 enum class Association {
-  kNearest,  ///< the plot in the gate of the greatest predicted density
-  kPda,      ///< every plot in the gate by its probability; the target is taken to exist
-  kIpda,     ///< the same, with the probability that the target exists
-  kJpda,     ///< as kIpda, and tracks whose gates share plots are given theirs jointly (JIPDA)
+  kNearest,   ///< the plot in the gate of the greatest predicted density
+  kPda,       ///< every plot in the gate by its probability; the target is taken to exist
+  kIpda,      ///< the same, with the probability that the target exists
+  kJpda,      ///< as kIpda, and tracks whose gates share plots are given theirs jointly (JIPDA)
+  kJpdaStar,  ///< as kJpda, of pruned joint events (JPDA*)
 };
 
 struct TrackerSettings {
@@ -38,8 +39,11 @@ struct TrackerSettings {
   /// look would not find the target. 20 km: twice the half depth of a footprint. Infinite: never.
   double lost_sigma_m = 20e3;
   ExistenceSettings existence{};
+  /// Instead of the IMM; with kNearest, kEkf and a bank without guards and trailing states.
+  std::optional<ParticleSettings> particles{};
 
-  bool has_existence() const { return association == Association::kIpda || association == Association::kJpda; }
+  bool is_joint() const { return association == Association::kJpda || association == Association::kJpdaStar; }
+  bool has_existence() const { return association == Association::kIpda || is_joint(); }
 };
 
 /// What a look came to for its track.
@@ -51,17 +55,23 @@ struct LookOutcome {
 
 /// Moves tracks on and updates them with the plots of their looks.
 ///
+/// A track whose numbers fail (an S that is not positive definite, no mode with a likelihood, overflow) begins anew
+/// from its last combined estimate, in every mode; where that is no Gaussian, or before the next plot, it is lost.
 /// Holds scratch space and no belief: the tracks are the caller's. Not for two threads at once.
 class Tracker {
  public:
-  /// `bank` is over one scan period. At most kMostModes modes.
-  Tracker(DiscreteBank bank, Eigen::VectorXd initial_probability, const TrackerSettings& settings);
+  /// `bank` is over one scan period. At most kMostModes modes. Particles are drawn from `particles`, forked by the
+  /// number of their track.
+  Tracker(DiscreteBank bank, Eigen::VectorXd initial_probability, const TrackerSettings& settings,
+          const RandomStream& particles = RandomStream(0));
 
   static constexpr int kMostModes = 16;
 
   const TrackerSettings& settings() const { return settings_; }
   int modes() const { return bank_.size(); }
   const DiscreteBank& bank() const { return bank_; }
+  /// How often a track's numbers have failed.
+  std::uint64_t failures() const { return failures_; }
 
   /// Room for looks of so many plots: they then allocate nothing.
   void reserve(std::size_t plots);
@@ -73,12 +83,12 @@ class Tracker {
   /// velocity with the given 1-sigma on each component. Empty where the sensor's measurement is no position.
   static std::optional<Gaussian> belief_from(const Plot& plot, const Sensor& sensor, double speed_sigma_mps);
 
-  /// One scan period on. A track whose numbers fail is lost.
+  /// One scan period on.
   void predict(Track& track);
 
   /// Associates the plots of the look made for this track and updates it. `others` are the tracks that may have plots
-  /// in it too (kJpda): predicted to the time of the look, the track itself may be among them. Plots that are not
-  /// finite are passed over. Only this track is touched; one whose numbers fail is lost.
+  /// in it too (kJpda, kJpdaStar): predicted to the time of the look, the track itself may be among them. Plots that
+  /// are not finite are passed over. Only this track is touched.
   LookOutcome look(Track& track, const Sensor& sensor, const Dwell& dwell, std::span<const Plot> plots,
                    std::span<const Track> others = {});
 
@@ -89,6 +99,10 @@ class Tracker {
   void mark_gated(const Track& track, const Sensor& sensor, std::span<const Plot> plots, std::span<char> marked);
 
  private:
+  void begin(Track& track, const Gaussian& belief) const;
+  void fail(Track& track);
+  Numerics advance(Track& track);
+  Numerics take(const Sensor& sensor, const Plot& plot, Track& track);
   bool look_at_all(Track& track, const Sensor& sensor, const Dwell& dwell, std::span<const Plot> plots,
                    std::span<const Track> others, LookOutcome& outcome);
   LookOutcome look_at_nearest(Track& track, const Sensor& sensor, std::span<const Plot> plots);
@@ -96,11 +110,14 @@ class Tracker {
   void judge_existence(Track& track, double likelihood_ratio) const;
   bool gated_innovations(const Track& track, const Sensor& sensor, const Plot& plot);
   double log_density(const Track& track) const;
-  void miss(Track& track, const Sensor& sensor, bool had_plots) const;
+  void miss(Track& track, const Sensor& sensor, bool had_plots);
+  Numerics weigh_modes(std::span<const double> factor, Track& track) const;
 
   DiscreteBank bank_;
   Eigen::VectorXd initial_probability_;
   TrackerSettings settings_;
+  RandomStream particle_stream_;
+  std::uint64_t failures_ = 0;
   ImmEstimate scratch_;
   std::vector<PredictedMeasurement> measurements_;
   std::vector<Vector2> innovations_;

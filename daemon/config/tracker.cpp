@@ -263,6 +263,20 @@ void read_initiation(FieldReader in, bool has_existence, InitiationSettings& ini
   initiation.m_of_n = m_of_n;
 }
 
+void read_particles(FieldReader in, FieldReader& tracker, EngineConfig& config) {
+  ParticleSettings& settings = config.tracker.particles.emplace();
+  in.choice("kind", settings.kind);
+  in.integer("count", 1, 10'000, settings.count);
+  if (config.tracker.association != Association::kNearest) {
+    tracker.refuse("particles", "", "must stand with association NEAREST");
+  }
+  if (config.tracker.update != UpdateForm::kEkf) tracker.refuse("particles", "", "must stand with update EKF");
+  const auto has_trailing = [](const Mode& mode) { return mode.trailing.has_value(); };
+  if (!config.bank.guards.empty() || std::any_of(config.bank.modes.begin(), config.bank.modes.end(), has_trailing)) {
+    tracker.refuse("particles", "", "must stand with a bank without guards and trailing states");
+  }
+}
+
 }  // namespace
 
 void read_tracker(FieldReader in, EngineConfig& config) {
@@ -278,6 +292,7 @@ void read_tracker(FieldReader in, EngineConfig& config) {
   in.choice("association", config.tracker.association);
   read_existence(in, config.scan_period, config.tracker);
   if (in.has("initiation")) read_initiation(in.child("initiation"), config.tracker.has_existence(), config.initiation);
+  if (in.has("particles")) read_particles(in.child("particles"), in, config);
 }
 
 }  // namespace dwell

@@ -216,6 +216,8 @@ const std::vector<Row> kRows{
    {"nan", "-inf", "0", "-1"}, {"1e-9", "1e300", "inf"}},
   {"Tracker.lost_squared_distance", top("tracker { lost_squared_distance: @ }"), "tracker.lost_squared_distance",
    "must be > 0", {"nan", "-inf", "0", "-1"}, {"1e-9", "1e300", "inf"}},
+  {"Particles.count", top("tracker { particles { count: @ } }"), "tracker.particles.count",
+   "must be a whole number from 1 to 10000", {"0", "10001"}, {"1", "10000"}},
   {"Existence.confirm", top("tracker { association: IPDA existence { confirm: @ } }"), "tracker.existence.confirm",
    "must be in (0, 1)", not_finite_and({"0", "1"}), {"0.006", "0.999999"}},
   {"Existence.remove", top("tracker { association: IPDA existence { remove: @ } }"), "tracker.existence.remove",

@@ -71,7 +71,7 @@ stream { bind: "tcp://0.0.0.0:5556" }
           "test:1:1: scan_period_s = nan: must be in [0.001, 3600]",
           "test:10:26: tracker.bank.name = \"none\": must be one of: as_printed, "
           "cruise_and_turn, evans_practical, "
-          "liu_hwang",
+          "liu_hwang, manoeuvring",
           "test:10:11: tracker.gate = 0: must be > 0", "test:2:19: radar[1].beamwidth_deg = -1: must be in (0, 90]",
           "test:3:19: radar[2].x_m = inf: must be in [-1000000000, 1000000000]",
           "test:3:9: radar[2].name = \"r\": must be unique among the sensors",
@@ -255,7 +255,18 @@ const std::string kTwo = "mode { name: \"a\" } mode { name: \"b\" } ";
 
 TEST(ConfigReader, UnknownBankListsTheKnown) {
   EXPECT_THAT(bank("name: \"cruise\""),
-              HasSubstr("must be one of: as_printed, cruise_and_turn, evans_practical, liu_hwang"));
+              HasSubstr("must be one of: as_printed, cruise_and_turn, evans_practical, liu_hwang, manoeuvring"));
+}
+
+TEST(ConfigReader, ParticlesTakeTheNearestPlotInTheEkfForm) {
+  const auto refused = [](const std::string& tracker) {
+    return refusal_of(kRadar + kTarget + "tracker { particles {} " + tracker + " }");
+  };
+  EXPECT_EQ(refused(""), "");
+  EXPECT_THAT(refused("association: PDA"), HasSubstr("tracker.particles: must stand with association NEAREST"));
+  EXPECT_THAT(refused("update: CUBATURE"), HasSubstr("tracker.particles: must stand with update EKF"));
+  EXPECT_THAT(refused("bank { mode { name: \"a\" singer { sigma_mps2: 1 time_constant_s: 20 } } }"),
+              HasSubstr("must stand with a bank without guards and trailing states"));
 }
 
 TEST(ConfigReader, TransitionRowsSumToOne) {

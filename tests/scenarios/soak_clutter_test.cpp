@@ -22,7 +22,7 @@ namespace dwell::testing {
 namespace {
 
 constexpr int kRuns = 200;
-constexpr std::array kAssociations{"NEAREST", "PDA", "IPDA", "JPDA"};
+constexpr std::array kAssociations{"NEAREST", "PDA", "IPDA", "JPDA", "JPDA_STAR"};
 constexpr double kRangeSigma_m = 20.0;
 constexpr double kAzimuthSigma_deg = 0.1;
 
@@ -89,14 +89,14 @@ bool is_lost(const Engine& engine, double half_m) {
 
 // 20 km away at 200 m/s, q = .1, for 100 s; straight, or with a turn of 90 degrees at 3 g after 50 s. A look a second
 // whose footprint is +- 1 km; a track a kilometre off at the end is lost as well as one that was given up.
-int lost_of(const char* association, double in_gate, bool turns, int runs) {
+int lost_of(const char* association, const char* bank, double in_gate, bool turns, int runs) {
   const std::string text =
       radar(density_of(in_gate, 20e3), "dwell_range_m: 1000 dwell_azimuth_deg: 2.86") +
       "target { name: \"t\" x_m: -5e3 y_m: 20e3 vx_mps: 200 process_noise { white_noise_acceleration: 0.1 }\n" +
       (turns ? "leg { start_s: 50 duration_s: 10.7 turn_rate_dps: 8.43 }\n" : "") +
       "start { covariance: [900, 400, 900, 400] } }\n"
       "tracker { association: " +
-      association + " }\n";
+      association + " bank { name: \"" + bank + "\" } }\n";
   EngineConfig config = config_of(text);
   int lost = 0;
   for (int run = 1; run <= runs; ++run) {
@@ -109,15 +109,15 @@ int lost_of(const char* association, double in_gate, bool turns, int runs) {
 }
 
 /// Prints a row for each density; the counts of IPDA, by density.
-std::map<double, int> print_lost(bool turns, int runs) {
-  std::printf("%s, tracks lost of %d [95 %%]\n%-8s", turns ? "turn of 3 g" : "straight", runs, "in gate");
+std::map<double, int> print_lost(const char* bank, bool turns, int runs) {
+  std::printf("%s, %s, tracks lost of %d [95 %%]\n%-8s", bank, turns ? "turn of 3 g" : "straight", runs, "in gate");
   for (const char* association : kAssociations) std::printf(" %20s", association);
   std::printf("\n");
   std::map<double, int> of_ipda;
   for (const double in_gate : {0.0, 0.01, 0.1, 0.3, 1.0, 2.0}) {
     std::printf("%-8g", in_gate);
     for (const char* association : kAssociations) {
-      const int lost = lost_of(association, in_gate, turns, runs);
+      const int lost = lost_of(association, bank, in_gate, turns, runs);
       const Share share = wilson(lost, runs);
       std::printf(" %4d [%5.1f, %5.1f %%]", lost, 100.0 * share.low, 100.0 * share.high);
       if (std::string(association) == "IPDA") of_ipda[in_gate] = lost;
@@ -132,16 +132,19 @@ std::map<double, int> print_lost(bool turns, int runs) {
 // count may be what the upper limit of twice the clear share gives by chance once in a million.
 TEST(ClutterSoak, LostTracksInSteadyCruise) {
   const int runs = scaled(kRuns);
-  std::map<double, int> lost = print_lost(false, runs);
+  std::map<double, int> lost = print_lost(kDefaultBank, false, runs);
   const double limit = 2.0 * wilson(lost[0.0], runs).high;
   EXPECT_LE(lost[0.3], statistics::binomial_band(runs, std::min(1.0, limit)).high);
 }
 
-// Figures alone: a 3 g turn leaves the cruise mode's gate within three looks, and among .3 false plots in that gate
-// there is nearly always one that says the target flies on.
+// A 3 g turn leaves the cruise mode's gate within three looks. What may take it then, in a bank of white-noise modes,
+// is a mode whose gate is five times as large: with .3 false plots in the gate of cruise 1.6 in its own, and
+// no plot of it weighs more than another. Modes that turn keep their gate small, and the target.
 TEST(ClutterSoak, LostTracksInATurn) {
-  const std::map<double, int> lost = print_lost(true, scaled(kRuns));
-  EXPECT_LT(lost.at(0.01), lost.at(0.3)) << "clutter is what loses them";
+  const int runs = scaled(kRuns);
+  const std::map<double, int> white = print_lost(kDefaultBank, true, runs);
+  const std::map<double, int> turning = print_lost("manoeuvring", true, runs);
+  EXPECT_LT(wilson(turning.at(0.3), runs).high, 0.5 * wilson(white.at(0.3), runs).low);
 }
 
 /// What initiation came to, over runs.
@@ -183,16 +186,19 @@ Initiated initiate(const char* association, double in_gate, int runs) {
   return sums;
 }
 
+// By M of N, which is what NEAREST and PDA have, a run in clutter has hundreds of false tracks: a tenth of the runs
+// says enough of that.
 TEST(ClutterSoak, Initiation) {
-  const int runs = scaled(kRuns);
-  std::printf("%-8s %-8s %26s %8s %30s\n", "in gate", "", "confirmed after s (s.e.)", "missed",
+  std::printf("%-8s %-9s %5s %26s %8s %30s\n", "in gate", "", "runs", "confirmed after s (s.e.)", "missed",
               "false tracks / h [95 %]");
   for (const double in_gate : {0.01, 0.1, 0.3}) {
     for (const char* association : kAssociations) {
+      const bool by_existence = association != std::string("NEAREST") && association != std::string("PDA");
+      const int runs = scaled(by_existence || in_gate < 0.1 ? kRuns : kRuns / 10);
       const Initiated sums = initiate(association, in_gate, runs);
       const Estimate latency = estimate(sums.latency_s);
       const double spread = 1.96 * std::sqrt(sums.false_tracks + 1.0);
-      std::printf("%-8g %-8s %18.2f (%.2f) %8d %12.1f [%.1f, %.1f]\n", in_gate, association, latency.mean,
+      std::printf("%-8g %-9s %5d %18.2f (%.2f) %8d %12.1f [%.1f, %.1f]\n", in_gate, association, runs, latency.mean,
                   latency.standard_error, sums.missed, sums.false_tracks / sums.hours,
                   std::max(0.0, sums.false_tracks - spread) / sums.hours, (sums.false_tracks + spread) / sums.hours);
       std::fflush(stdout);
@@ -240,7 +246,7 @@ Pairs follow_two(EngineConfig config, std::uint64_t scans, int runs) {
 }
 
 void print_pairs(const char* association, const Pairs& pairs) {
-  std::printf("%-8s %6d %8d %8d %6d\n", association, pairs.kept, pairs.swapped, pairs.merged, pairs.lost);
+  std::printf("%-9s %6d %8d %8d %6d\n", association, pairs.kept, pairs.swapped, pairs.merged, pairs.lost);
   std::fflush(stdout);
 }
 

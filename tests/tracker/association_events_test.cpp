@@ -322,7 +322,7 @@ TEST(Jpda, CrowdIsCutToTheBound) {
   ASSERT_EQ(events.list(sensor, UpdateForm::kEkf, kGate, tracks[0].estimate, State::Zero(), plots), Numerics::kOk);
   std::vector<double> factor(events.size());
   PlotCluster cluster;
-  cluster.exclude(TrackId{1}, events, tracks, sensor, UpdateForm::kEkf, kGate, State::Zero(), plots, factor);
+  cluster.exclude(TrackId{1}, events, tracks, sensor, UpdateForm::kEkf, kGate, State::Zero(), plots, false, factor);
   EXPECT_EQ(cluster.rivals(), static_cast<std::size_t>(JointAssociation::kMostRivals));
   tracker.look(tracks[0], sensor, kDwell, plots, tracks);
   EXPECT_TRUE(tracks[0].alive());

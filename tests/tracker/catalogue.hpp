@@ -45,6 +45,29 @@ inline std::vector<NamedNoise> every_noise() {
           {"diagonal", DiagonalNoise{{0.3, 0.3, 0.1, 0.1}, 0.5}}};
 }
 
+struct NamedTrailing {
+  std::string name;
+  TrailingMotion motion;
+  friend void PrintTo(const NamedTrailing& row, std::ostream* out) { *out << row.name; }
+};
+
+static_assert(std::variant_size_v<TrailingMotion> == 3, "a new motion needs a row below");
+inline std::vector<NamedTrailing> every_trailing() {
+  return {{"constant_acceleration", ConstantAcceleration{2.0}},
+          {"singer", Singer{10.0, 20.0}},
+          {"singer_short", Singer{10.0, 0.3}},
+          {"singer_long", Singer{10.0, 1e4}},
+          {"unknown_turn_rate", UnknownTurnRate{1.0, 1e-4}}};
+}
+
+/// One mode of every motion, of either kind, with white noise.
+inline std::vector<Mode> every_mode() {
+  std::vector<Mode> modes;
+  for (const NamedMotion& row : every_motion()) modes.push_back({row.name, row.motion, WhiteNoiseAcceleration{1.0}});
+  for (const NamedTrailing& row : every_trailing()) modes.push_back({row.name, {}, NoProcessNoise{}, row.motion});
+  return modes;
+}
+
 /// The rate of a motion, rad/s, counter-clockwise positive.
 inline double turn_rate(const Motion& motion) {
   const auto* turn = std::get_if<CoordinatedTurn>(&motion);

@@ -1,14 +1,23 @@
 #include "tracker/fixed_lag.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
+#include <fstream>
 #include <limits>
+#include <map>
+#include <sstream>
+#include <string>
 #include <tuple>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "radar/frames.hpp"
 #include "radar/random.hpp"
+#include "radar/range_bearing_radar.hpp"
 #include "tests/scale.hpp"
 #include "tests/tracker/position_sensor.hpp"
 
@@ -209,6 +218,84 @@ TEST(FixedLag, PlotsThatAreNotFiniteArePassedOver) {
   plots[1].z = Vector2(std::numeric_limits<double>::quiet_NaN(), 0.0);
   EXPECT_EQ(lagged.look(world.sensor, dwell, plots), FixedLag::Arrival::kUsed);
   EXPECT_TRUE(lagged.track().combined.mean.allFinite());
+}
+
+// --- a real capture
+
+/// A plot of a capture by two networks, as `tod_s,..,sic,..,rho_m,theta_deg,..,address,track_no` of its CSV.
+struct Captured {
+  std::string target;  // radar and identity
+  std::int64_t tick;   // of 1/128 s: the resolution of the time of day in ASTERIX
+  Vector2 z;
+};
+
+std::vector<Captured> read_capture(const char* file) {
+  std::ifstream input(file);
+  std::vector<Captured> all;
+  std::string line;
+  std::getline(input, line);
+  while (std::getline(input, line)) {
+    std::vector<std::string> cell;
+    std::istringstream cells(line);
+    for (std::string text; std::getline(cells, text, ',');) cell.push_back(text);
+    all.push_back({cell.at(3) + "/" + (cell.at(9).empty() ? cell.at(10) : cell.at(9)),
+                   std::llround(std::stod(cell.at(1)) * 128.0),
+                   {std::stod(cell.at(5)), std::stod(cell.at(6)) * kDegree}});
+  }
+  return all;
+}
+
+// CAT048 of seven radars over two networks, nearly every record twice; DWELL_CAPTURE names the plots of such a file. In
+// the order in which they came, and once with what came before left out: the same bits, and each is counted.
+TEST(FixedLag, CaptureOfTwoNetworksCountsOnce) {
+  const char* file = std::getenv("DWELL_CAPTURE");
+  if (file == nullptr) GTEST_SKIP() << "DWELL_CAPTURE names no capture";
+  const std::vector<Captured> capture = read_capture(file);
+  ASSERT_FALSE(capture.empty());
+  const Duration tick = std::chrono::nanoseconds(7'812'500);
+  const ModeBank bank = *named_bank("cruise_and_turn");
+  Tracker tracker(*discretise(bank, to_seconds(tick)), bank.initial_probability, {});
+  RadarFigures figures;
+  figures.range_noise_floor_m = 50.0;
+  figures.azimuth_noise_floor_rad = 0.08 * kDegree;
+  const RangeBearingRadar radar(figures);
+  struct Both {
+    FixedLag once, twice;
+    std::vector<Captured> seen;
+  };
+  std::map<std::string, Both> tracks;
+  std::uint64_t repeated = 0;
+  std::uint64_t counted = 0;
+  for (const Captured& captured : capture) {
+    const TimePoint time = kStreamStart + captured.tick * tick;
+    const Plot plot{time, RadarId{1}, captured.z, std::nullopt};
+    const auto belief = Tracker::belief_from(plot, radar, 250.0);
+    ASSERT_TRUE(belief);
+    const Track start = tracker.start(TrackId{1}, captured.target, *belief);
+    const FixedLag fresh(tracker, start, time, tick, std::chrono::seconds(5));
+    Both& both = tracks.try_emplace(captured.target, Both{fresh, fresh, {}}).first->second;
+    while (both.once.time() < time) {
+      both.once.advance();
+      both.twice.advance();
+    }
+    const Dwell dwell{RadarId{1}, TrackId{1}, time, start.combined.mean};
+    const bool again = std::any_of(both.seen.begin(), both.seen.end(), [&](const Captured& earlier) {
+      return earlier.tick == captured.tick && earlier.z == captured.z;
+    });
+    repeated += again ? 1 : 0;
+    if (!again) (void)both.once.look(radar, dwell, {&plot, 1});
+    const auto arrival = both.twice.look(radar, dwell, {&plot, 1});
+    EXPECT_EQ(arrival, again ? FixedLag::Arrival::kDuplicate : FixedLag::Arrival::kUsed);
+    both.seen.push_back(captured);
+  }
+  for (const auto& [target, both] : tracks) {
+    EXPECT_TRUE(same(both.once.track(), both.twice.track())) << target;
+    counted += both.twice.counts().duplicates;
+  }
+  std::printf("%zu plots of %zu targets, %llu of them repeated\n", capture.size(), tracks.size(),
+              static_cast<unsigned long long>(repeated));
+  EXPECT_EQ(counted, repeated);
+  EXPECT_GT(repeated, 0U);
 }
 
 }  // namespace

@@ -269,8 +269,21 @@ TEST(NamedBank, CruiseAndTurn) {
   EXPECT_EQ(discrete.q[0](kVx, kVx), 0.1);
   EXPECT_EQ(discrete.q[1](kVx, kVx), 60.0);
   EXPECT_EQ(discrete.q[2](kVx, kVx), 2000.0);
-  EXPECT_EQ(discrete.transition, matrix({{.9955, .0040, .0005}, {.0200, .9750, .0050}, {.0100, .1900, .8000}}));
+  EXPECT_EQ(discrete.transition, matrix({{.9940, .0055, .0005}, {.0100, .9850, .0050}, {.0100, .1400, .8500}}));
   EXPECT_EQ(bank.initial_probability, Eigen::Vector3d(.9, .05, .05));
+}
+
+// cruise_and_turn's modes and a turn to either side, which the chain does not tell apart.
+TEST(NamedBank, Manoeuvring) {
+  const DiscreteBank discrete = discretise(named_bank("manoeuvring").value(), 1.0).value();
+  const DiscreteBank white = discretise(named_bank("cruise_and_turn").value(), 1.0).value();
+  ASSERT_EQ(discrete.size(), 5);
+  for (std::size_t j = 0; j < 3; ++j) EXPECT_EQ(discrete.q[j], white.q[j]);
+  EXPECT_EQ(discrete.f[3], transition(CoordinatedTurn{7.0 * kDegree}, 1.0));
+  EXPECT_EQ(discrete.f[4], transition(CoordinatedTurn{-7.0 * kDegree}, 1.0));
+  EXPECT_EQ(discrete.transition.col(3).head<3>(), discrete.transition.col(4).head<3>());
+  EXPECT_EQ(discrete.transition.row(3).head<3>(), discrete.transition.row(4).head<3>());
+  EXPECT_EQ(discrete.transition(3, 4), discrete.transition(4, 3));
 }
 
 }  // namespace

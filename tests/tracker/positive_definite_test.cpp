@@ -24,7 +24,14 @@
 namespace dwell {
 namespace {
 
-constexpr double kLargestAspect = 1e8;
+/// What the cycles are drawn from, logarithmically uniform.
+struct Extent {
+  double shortest_s;
+  double longest_s;
+  double ratio;   // of the measurement's variances to the predicted ones, either way
+  double aspect;  // of the two, either way
+};
+constexpr Extent kWide{1e-3, 100.0, 1e9, 1e8};
 constexpr int kCyclesPerTrack = 1000;  // positions wander off with their own noise: start again before they matter
 
 double log_uniform(RandomStream& stream, double low, double high) {
@@ -40,11 +47,11 @@ ModeBank with_step(ModeBank bank, double step_s) {
   return bank;
 }
 
-/// The bank over 200 intervals, logarithmically uniform in 1 ms .. 100 s, whole seconds above one.
-std::vector<DiscreteBank> over_random_intervals(const ModeBank& bank, RandomStream& stream) {
+/// The bank over 200 intervals, whole seconds above one.
+std::vector<DiscreteBank> over_random_intervals(const ModeBank& bank, const Extent& extent, RandomStream& stream) {
   std::vector<DiscreteBank> banks;
   for (int i = 0; i < 200; ++i) {
-    const double dt_s = log_uniform(stream, 1e-3, 100.0);
+    const double dt_s = log_uniform(stream, extent.shortest_s, extent.longest_s);
     banks.push_back(dt_s < 1.0 ? discretise(with_step(bank, dt_s), dt_s).value()
                                : discretise(bank, std::round(dt_s)).value());
   }
@@ -53,13 +60,13 @@ std::vector<DiscreteBank> over_random_intervals(const ModeBank& bank, RandomStre
 
 /// A radar somewhere round the belief whose variances are random multiples of the belief's own along and
 /// across.
-RangeBearingRadar random_radar(const Gaussian& belief, RandomStream& stream) {
+RangeBearingRadar random_radar(const Gaussian& belief, const Extent& extent, RandomStream& stream) {
   const double azimuth = stream.uniform(-std::numbers::pi, std::numbers::pi);
   const Vector2 along(std::sin(azimuth), std::cos(azimuth));
   const Vector2 across(along.y(), -along.x());
   const double range_m = log_uniform(stream, 10.0, 1e6);
-  const double ratio = log_uniform(stream, 1e-9, 1e9);
-  const double aspect = log_uniform(stream, 1.0 / kLargestAspect, kLargestAspect);
+  const double ratio = log_uniform(stream, 1.0 / extent.ratio, extent.ratio);
+  const double aspect = log_uniform(stream, 1.0 / extent.aspect, extent.aspect);
   const Matrix2 p = position_block(belief.covariance);
   RadarFigures figures;
   figures.snr_reference = 1e60;  // the floors alone make the noise
@@ -95,13 +102,10 @@ INSTANTIATE_TEST_SUITE_P(Every, PositiveDefinite,
                            return std::get<0>(row.param) + "_" + form;
                          });
 
-TEST_P(PositiveDefinite, OverAMillionCycles) {
-  const auto& [name, form] = GetParam();
-  const ModeBank named = named_bank(name).value();
+/// Runs so many cycles; the least pivot of all covariances.
+double least_pivot_of(const ModeBank& named, UpdateForm form, const Extent& extent, int cycles) {
   RandomStream stream(17);
-  const std::vector<DiscreteBank> banks = over_random_intervals(named, stream);
-  const int cycles =
-      scaled(1000000) / static_cast<int>(catalogue::every_update().size() * catalogue::every_bank().size());
+  const std::vector<DiscreteBank> banks = over_random_intervals(named, extent, stream);
   ImmEstimate estimate, predicted;
   std::vector<PredictedMeasurement> measurements;
   double least_pivot = 1.0;
@@ -114,30 +118,53 @@ TEST_P(PositiveDefinite, OverAMillionCycles) {
   };
   for (int k = 0; k < cycles; ++k) {
     if (k % kCyclesPerTrack == 0) estimate = make_estimate(new_belief(stream), named.initial_probability);
-    ASSERT_EQ(predict(banks[stream.bits() % banks.size()], estimate, predicted), Numerics::kOk) << k;
-    ASSERT_TRUE(check(predicted)) << "after prediction " << k;
-    const RangeBearingRadar radar = random_radar(combine(predicted), stream);
-    ASSERT_EQ(predict_measurements(radar, form, predicted, measurements), Numerics::kOk) << k;
+    EXPECT_EQ(predict(banks[stream.bits() % banks.size()], estimate, predicted), Numerics::kOk) << k;
+    if (!check(predicted)) return ADD_FAILURE() << "after prediction " << k, least_pivot;
+    const RangeBearingRadar radar = random_radar(combine(predicted), extent, stream);
+    EXPECT_EQ(predict_measurements(radar, form, predicted, measurements), Numerics::kOk) << k;
     const auto innovations = draw_innovations(radar, form, measurements, stream);
-    ASSERT_EQ(update(measurements, innovations, predicted), Numerics::kOk) << k;
-    ASSERT_TRUE(check(predicted)) << "after update " << k;
+    EXPECT_EQ(update(measurements, innovations, predicted), Numerics::kOk) << k;
+    if (!check(predicted)) return ADD_FAILURE() << "after update " << k, least_pivot;
+    if (testing::Test::HasFailure()) return least_pivot;
     std::swap(estimate, predicted);
   }
-  RecordProperty("least_pivot", testing::PrintToString(least_pivot));
+  return least_pivot;
+}
+
+TEST_P(PositiveDefinite, OverAMillionCycles) {
+  const auto& [name, form] = GetParam();
+  const auto kinds = static_cast<int>(catalogue::every_update().size() * catalogue::every_bank().size());
+  RecordProperty("least_pivot", testing::PrintToString(
+                                    least_pivot_of(named_bank(name).value(), form, kWide, scaled(1000000) / kinds)));
+}
+
+// Intervals of a microsecond to a quarter of an hour and plots a million times sharper or duller than the prediction,
+// in standard deviations: symmetric to the last bit, and definite. Noise that enters once a step has rank one an axis:
+// what plots so sharp leave of its velocity is known but for rounding, and of ten million cycles one lost definiteness.
+// Banks of such noise have plots 3e4 times sharper at most.
+TEST_P(PositiveDefinite, AtTheEndsOfWhatARadarMayBe) {
+  const auto& [name, form] = GetParam();
+  const ModeBank bank = named_bank(name).value();
+  const bool by_steps = std::any_of(bank.modes.begin(), bank.modes.end(),
+                                    [](const Mode& mode) { return !mode.trailing && !divides(mode.noise, 0.5); });
+  const Extent extreme{1e-6, 1e3, by_steps ? 1e9 : 1e12, 1.0};
+  const auto kinds = static_cast<int>(catalogue::every_update().size() * catalogue::every_bank().size());
+  RecordProperty("least_pivot", testing::PrintToString(
+                                    least_pivot_of(bank, form, extreme, soaked(10'000'000, scaled(200'000)) / kinds)));
 }
 
 // The twin: P - K H P, the short form, is not positive definite within the first thousand of the same cycles.
 TEST(PositiveDefinite, ShortFormFailsTheSameCycles) {
   const ModeBank named = named_bank("cruise_and_turn").value();
   RandomStream stream(17);
-  const std::vector<DiscreteBank> banks = over_random_intervals(named, stream);
+  const std::vector<DiscreteBank> banks = over_random_intervals(named, kWide, stream);
   int lost = 0;
   for (int k = 0; k < kCyclesPerTrack; ++k) {
     const ImmEstimate start = make_estimate(new_belief(stream), named.initial_probability);
     ImmEstimate predicted;
     std::vector<PredictedMeasurement> measurements;
     ASSERT_EQ(predict(banks[stream.bits() % banks.size()], start, predicted), Numerics::kOk);
-    const RangeBearingRadar radar = random_radar(combine(predicted), stream);
+    const RangeBearingRadar radar = random_radar(combine(predicted), kWide, stream);
     ASSERT_EQ(predict_measurements(radar, UpdateForm::kEkf, predicted, measurements), Numerics::kOk);
     const StateMatrix& p = predicted.modes[0].covariance;
     const Gain gain = kalman_gain(p, measurements[0]);

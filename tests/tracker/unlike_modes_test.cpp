@@ -1,7 +1,6 @@
 #include "tracker/unlike_modes.hpp"
 
 #include <cmath>
-#include <ostream>
 #include <string>
 #include <vector>
 
@@ -10,6 +9,7 @@
 
 #include "tests/scale.hpp"
 #include "tests/statistics.hpp"
+#include "tests/tracker/catalogue.hpp"
 #include "tests/tracker/matrices.hpp"
 #include "tests/tracker/position_sensor.hpp"
 #include "tracker/measurement.hpp"
@@ -20,22 +20,14 @@ namespace {
 using matrices::kEpsilon;
 using matrices::near;
 
-struct NamedTrailing {
-  std::string name;
-  TrailingMotion motion;
-  friend void PrintTo(const NamedTrailing& row, std::ostream* out) { *out << row.name; }
-};
+using catalogue::every_trailing;
+using catalogue::NamedTrailing;
 
-static_assert(std::variant_size_v<TrailingMotion> == 3, "a new motion needs a row below");
 std::vector<NamedTrailing> every_linear() {
-  return {{"constant_acceleration", ConstantAcceleration{2.0}},
-          {"singer", Singer{10.0, 20.0}},
-          {"singer_short", Singer{10.0, 0.3}},
-          {"singer_long", Singer{10.0, 1e4}}};
-}
-std::vector<NamedTrailing> every_trailing() {
-  auto rows = every_linear();
-  rows.push_back({"unknown_turn_rate", UnknownTurnRate{1.0, 1e-4}});
+  std::vector<NamedTrailing> rows;
+  for (const NamedTrailing& row : every_trailing()) {
+    if (is_linear(row.motion)) rows.push_back(row);
+  }
   return rows;
 }
 
@@ -45,16 +37,16 @@ FullState some_state(double rate) {
   return x;
 }
 
-class LinearLaw : public testing::TestWithParam<NamedTrailing> {};
-INSTANTIATE_TEST_SUITE_P(Every, LinearLaw, testing::ValuesIn(every_linear()),
+class TrailingLaw : public testing::TestWithParam<NamedTrailing> {};
+INSTANTIATE_TEST_SUITE_P(Every, TrailingLaw, testing::ValuesIn(every_trailing()),
                          [](const auto& row) { return row.param.name; });
 
-// F(a + b) = F(b) F(a) and Q(a + b) = F(b) Q(a) F(b)' + Q(b): the series, the closed form and the quadrature agree to
-// some tens of eps of the largest terms.
-TEST_P(LinearLaw, IntervalsCompose) {
+// F(a + b) = F(b) F(a) and Q(a + b) = F(b) Q(a) F(b)' + Q(b), of a nonlinear motion F(b) and Q(b) where a leads: the
+// series, the closed form and the quadrature agree to some tens of eps of the largest terms.
+TEST_P(TrailingLaw, IntervalsCompose) {
   for (const double a : {0.0, 0.125, 1.0, 3.5}) {
     for (const double b : {0.25, 1.0, 10.0}) {
-      const FullState x = some_state(3.0);
+      const FullState x = some_state(is_linear(GetParam().motion) ? 3.0 : 0.3);
       const Moved first = move(GetParam().motion, a, x);
       const Moved second = move(GetParam().motion, b, first.mean);
       const Moved both = move(GetParam().motion, a + b, x);
@@ -90,23 +82,6 @@ TEST(Singer, AccelerationIsStationary) {
     const Moved moved = move(Singer{5.0, 20.0}, t, some_state(1.0));
     EXPECT_NEAR(moved.q(4, 4), 25.0 * -std::expm1(-2.0 * t / 20.0), 1e-13);
     EXPECT_NEAR(moved.f(4, 4), std::exp(-t / 20.0), kEpsilon);
-  }
-}
-
-// Against central differences, step 1e-4 of each element's size: their error is of the order of 1e-8 of the slope.
-TEST(UnknownTurnRate, JacobianEqualsDifferences) {
-  const UnknownTurnRate motion{1.0, 1e-4};
-  for (const double rate : {0.0, 1e-10, 1e-6, 9e-4, 1.1e-3, 0.05, -0.3, 2.0}) {
-    const FullState x = some_state(rate);
-    const Moved moved = move(motion, 1.0, x);
-    for (int i = 0; i < kStateSize + 1; ++i) {
-      const double step = i < kStateSize ? 1e-2 : 1e-4;
-      FullState high = x, low = x;
-      high[i] += step;
-      low[i] -= step;
-      const FullState slope = (move(motion, 1.0, high).mean - move(motion, 1.0, low).mean) / (2.0 * step);
-      EXPECT_TRUE(near(moved.f.col(i), slope, 1e-6 * (1.0 + slope.cwiseAbs().maxCoeff()))) << rate << " " << i;
-    }
   }
 }
 

@@ -8,9 +8,10 @@ namespace dwell {
 ///
 ///   d v' / dw = T J v',   d p' / dw = (T v' - (p' - p)) / w      J the quarter turn to the left
 ///
-/// Q: that of CoordinatedTurn for white acceleration of density q, and q_w T of the rate alone.
-/// Linearised: the rate's own spread must be well under a turn over the interval.
-/// Source  Bar-Shalom, Li, Kirubarajan (2001), 11.7.2.
+/// Q: that of CoordinatedTurn for white acceleration of density q, and q_w times the integral over 0 .. T of g g', g
+/// what a change of the rate so long before the end has become of p', v' and w by then; by Gauss-Legendre, exact to
+/// rounding. Linearised: the rate's own spread must be well under a turn over the interval. Source  Bar-Shalom, Li,
+/// Kirubarajan (2001), 11.7.2.
 struct UnknownTurnRate {
   static constexpr TrailingKind kTrailing = TrailingKind::kTurnRate;
   static constexpr bool kLinear = false;

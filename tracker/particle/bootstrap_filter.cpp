@@ -63,6 +63,13 @@ Numerics BootstrapFilter::update(const Sensor& sensor, const Vector2& z) {
   return normalise(log_weight_, weight_);
 }
 
+Numerics BootstrapFilter::weigh(std::span<const double> of_mode) {
+  for (std::size_t i = 0; i < particles_.size(); ++i) {
+    log_weight_[i] = std::log(weight_[i] * of_mode[static_cast<std::size_t>(particles_[i].mode)]);
+  }
+  return normalise(log_weight_, weight_);
+}
+
 void BootstrapFilter::resample() {
   resample_systematically(weight_, particles_.size(), stream_, survivors_);
   kept_.clear();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "radar/sensor.hpp"
@@ -27,6 +28,9 @@ class BootstrapFilter {
   void predict();
   /// Errors   kNotFinite where no particle has a likelihood; nothing changes then.
   Numerics update(const Sensor& sensor, const Vector2& z);
+  /// Multiplies the weight of each particle by the factor of its mode: what no plot says of the modes.
+  /// Errors   as `update`.
+  Numerics weigh(std::span<const double> of_mode);
 
   /// Mean and covariance of the particles of each mode, and the modes' weights: what policies and displays read of an
   /// IMM. A mode without particles has probability 0 and the moments of all.

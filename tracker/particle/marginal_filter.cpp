@@ -53,6 +53,16 @@ Numerics MarginalFilter::update(const Sensor& sensor, const Vector2& z) {
   return Numerics::kOk;
 }
 
+Numerics MarginalFilter::weigh(std::span<const double> of_mode) {
+  log_weight_.clear();
+  for (const WeightedGaussian& history : histories_) {
+    log_weight_.push_back(std::log(history.weight * of_mode[static_cast<std::size_t>(history.mode)]));
+  }
+  if (const Numerics weights = normalise(log_weight_, weight_); weights != Numerics::kOk) return weights;
+  for (std::size_t i = 0; i < histories_.size(); ++i) histories_[i].weight = weight_[i];
+  return Numerics::kOk;
+}
+
 void MarginalFilter::resample() {
   weight_.clear();
   for (const WeightedGaussian& history : histories_) weight_.push_back(history.weight);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "radar/sensor.hpp"
@@ -30,6 +31,9 @@ class MarginalFilter {
   void predict();
   /// Errors   kNotPositiveDefinite of an S, kNotFinite where no history has a likelihood; nothing changes then.
   Numerics update(const Sensor& sensor, const Vector2& z);
+  /// Multiplies the weight of each history by the factor of its mode: what no plot says of the modes.
+  /// Errors   kNotFinite where no history keeps a weight; nothing changes then.
+  Numerics weigh(std::span<const double> of_mode);
 
   /// The histories of each mode, moment-matched, and the modes' weights: what policies and displays read of an IMM.
   ImmEstimate estimate() const { return moments_by_mode(histories_, bank_.size()); }
