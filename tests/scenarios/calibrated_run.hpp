@@ -1,15 +1,12 @@
 #pragma once
 
 #include <array>
-#include <cstdlib>
 
 #include "daemon/calibration_loop.hpp"
+#include "tests/scale.hpp"
 #include "tests/scenarios/monte_carlo.hpp"
 
 namespace dwell::testing {
-
-/// The counts of the published figures.
-inline bool soak() { return std::getenv("DWELL_SOAK") != nullptr; }
 
 /// A run with its calibration, that waits for its solves; calls `after` after every scan.
 template <class After>

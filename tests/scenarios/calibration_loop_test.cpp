@@ -87,7 +87,7 @@ TEST(LearnedDetection, AnOptimisticFigureCostsNothingAfterFifteenLooks) {
   EngineConfig believes = learns;
   believes.calibration.mode = CalibrationMode::kObserve;
   const EngineConfig knows = believing({"known", 0.4, 0.4, 1.0, false});
-  const FirstScans first = after_fifteen_looks(learns, soak() ? 100 : 20);
+  const FirstScans first = after_fifteen_looks(learns, soaked(100, 20));
   const Outcome learned = measure(learns, first);
   const Outcome known = measure(knows, first);
   std::printf("%s, after its 15th look, %zu runs\n", wrong.name, first.size());
@@ -101,7 +101,7 @@ class StarvedRadar : public ::testing::TestWithParam<WrongFigure> {};
 
 TEST_P(StarvedRadar, ComesBackByExploration) {
   const WrongFigure& wrong = GetParam();
-  const FirstScans first(soak() ? 100 : wrong.believed_noise == 1.0 ? 20 : 2, 301);
+  const FirstScans first(soaked(100, wrong.believed_noise == 1.0 ? 20 : 2), 301);
   EngineConfig believes = believing(wrong);
   believes.calibration.mode = CalibrationMode::kObserve;
   const EngineConfig knows = believing({"known", wrong.true_detection, wrong.true_detection, 1.0, false});
