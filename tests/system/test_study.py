@@ -10,7 +10,7 @@ import subprocess
 import time
 import unittest
 
-from daemon import BUSY, PATIENCE_S, SystemTest, scaled
+from daemon import BUSY, PATIENCE_S, SystemTest, scaled, scenario
 
 STUDY = os.environ["DWELL_STUDY"]
 POLICIES = "sa_imm,round_robin:order=locked,largest_variance"
@@ -135,7 +135,8 @@ class Study(SystemTest):
     def test_calibration_from_a_recording_is_that_of_its_scenario(self):
         """The run that dwelld has recorded is the one that the study flies."""
         journal, scans = self.path("journal"), 300
-        with self.daemon(BUSY, "--fast", "--scans", scans, "--record", journal) as daemon:
+        config = scenario("calibration_traffic")
+        with self.daemon(config, "--fast", "--scans", scans, "--record", journal) as daemon:
             self.assertEqual(daemon.wait(), 0, daemon.log)
 
         def recorded(*arguments):
@@ -148,7 +149,8 @@ class Study(SystemTest):
             arguments = ["--calibrate", "joint", *known]
             code, output, log = recorded(*arguments)
             self.assertEqual(code, 0, log)
-            flown = self.study(*arguments, "--runs", 1, "--scans", scans, "--format", "json")[1]
+            flown = self.study(*arguments, "--runs", 1, "--scans", scans, "--format", "json",
+                               config=self.config(config))[1]
             self.assertEqual(json.loads(output), json.loads(flown))
             results[len(known)] = {(row["radar"], row["parameter"]): row for row in json.loads(output)["parameters"]}
         # Of unknown flights no time bias is seen, of known ones each bias is better known than before.
