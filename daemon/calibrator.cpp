@@ -253,8 +253,8 @@ void Calibrator::keep(std::uint64_t scan, const Dwell& dwell, const Plot& plot, 
   }
 }
 
-/// What a radar measured before it went bad, or came back, says nothing of it now, nor what it detected. Before it has
-/// been calibrated at all the fault is in its figures, which the plots at hand are to find.
+/// What a radar measured before it went bad, or came back, says nothing of it now, nor what it detected. As long as no
+/// bias of it has been found the fault may be in its figures, which the plots at hand are to find.
 void Calibrator::change_fault(RadarCalibration& radar, std::uint64_t scan) {
   const bool of_plots = !is_trusted(radar) || (radar.fault != Fault::kNone && radar.fault != Fault::kDetection);
   if (radar.fault == Fault::kDetection || radar.detector.fault() == Fault::kDetection) {
@@ -262,7 +262,7 @@ void Calibrator::change_fault(RadarCalibration& radar, std::uint64_t scan) {
   }
   radar.fault = radar.detector.fault();
   if (!of_plots) return;
-  if (applied_scan_ > 0) radar.since_scan = scan + 1;
+  if (!to_vector(radar.applied).tail<3>().isZero(0.0)) radar.since_scan = scan + 1;
   bias_detector_.restart(scan);
   distrust();
 }

@@ -21,15 +21,15 @@ BiasDetector::BiasDetector(std::size_t radars, std::size_t tracks)
       }
     }
   }
-  tracks_.reserve(tracks);
+  tracks_.assign(tracks, {0, 0, std::vector<State>(hypotheses_.size(), State::Zero())});
 }
 
-/// Of a track; in the place of one that has not been looked at for long, if it is new.
+/// Of a track; if it is new, in a free place or that of one that has not been looked at for long.
 BiasDetector::TrackShifts& BiasDetector::shifts_of(const BiasLook& look, std::size_t longest_gap) {
   const auto known = std::ranges::find(tracks_, look.track, &TrackShifts::track);
   if (known != tracks_.end()) return *known;
-  const auto old =
-      std::ranges::find_if(tracks_, [&](const TrackShifts& shifts) { return look.scan - shifts.scan > longest_gap; });
+  const auto old = std::ranges::find_if(
+      tracks_, [&](const TrackShifts& shifts) { return shifts.track == 0 || look.scan - shifts.scan > longest_gap; });
   if (old == tracks_.end()) {
     return tracks_.emplace_back(look.track, look.scan, std::vector<State>(hypotheses_.size(), State::Zero()));
   }
