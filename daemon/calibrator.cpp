@@ -77,23 +77,25 @@ Correction between(const Correction& from, const Correction& to, double share) {
   return to_correction(to_vector(from) + share * (to_vector(to) - to_vector(from)));
 }
 
-/// What is to be used of an estimate: what the plots do not fix stays as it is in use, since an error as large as its
-/// prior may be no error of the radar's, and the rest is the estimate's mean given that,
+/// What is to be used of an estimate: what is not observable and not two sigma off either stays as it is in use,
+/// since a value of its prior's size may be no error of the radar's, and the rest is the estimate's mean given that,
 ///
-///   theta_o + C_ou C_uu^-1 (used_u - theta_u)
-Eigen::VectorXd observable_part(const CalibrationEstimate& estimate, const Eigen::VectorXd& used) {
-  std::vector<Eigen::Index> observable;
+///   theta_k + C_kr C_rr^-1 (used_r - theta_r)
+Eigen::VectorXd known_part(const CalibrationEstimate& estimate, const Eigen::VectorXd& used) {
+  constexpr double kPlain = 2.0;  // sigma
+  std::vector<Eigen::Index> known;
   std::vector<Eigen::Index> rest;
   for (Eigen::Index i = 0; i < used.size(); ++i) {
-    const bool is =
-        estimate.observable(static_cast<int>(i / kCorrectionSize), static_cast<CorrectionKind>(i % kCorrectionSize));
-    (is ? observable : rest).push_back(i);
+    const auto radar = static_cast<int>(i / kCorrectionSize);
+    const auto kind = static_cast<CorrectionKind>(i % kCorrectionSize);
+    const double off = std::abs(estimate.value[i] - used[i]) / estimate.standard_error(radar, kind);
+    (estimate.observable(radar, kind) || off > kPlain ? known : rest).push_back(i);
   }
   if (rest.empty()) return estimate.value;
   const Eigen::MatrixXd among_rest = estimate.covariance(rest, rest);
   const Eigen::VectorXd moved = among_rest.llt().solve(Eigen::VectorXd(used(rest) - estimate.value(rest)));
   Eigen::VectorXd result = used;
-  result(observable) = estimate.value(observable) + estimate.covariance(observable, rest) * moved;
+  result(known) = estimate.value(known) + estimate.covariance(known, rest) * moved;
   return result;
 }
 
@@ -317,7 +319,7 @@ void Calibrator::finish(const CalibrationTask& task, CalibrationOutcome outcome,
     for (RadarCalibration& radar : radars_) std::swap(radar.applied, radar.previous);
     applied_scan_ = scan;
   } else if (outcome.estimate.status == EstimatorStatus::kDone && applies()) {
-    const std::vector<Correction> next = unstacked(observable_part(outcome.estimate, stacked(task.applied)));
+    const std::vector<Correction> next = unstacked(known_part(outcome.estimate, stacked(task.applied)));
     for (std::size_t i = 0; i < radars_.size(); ++i) {
       radars_[i].previous = radars_[i].applied;
       radars_[i].applied = next[i];

@@ -109,7 +109,7 @@ class StarvedRadar : public ::testing::TestWithParam<WrongFigure> {};
 
 TEST_P(StarvedRadar, ComesBackByExploration) {
   const WrongFigure& wrong = GetParam();
-  const FirstScans first(soaked(100, wrong.believed_noise == 1.0 ? 20 : 2), 301);
+  const FirstScans first(static_cast<std::size_t>(soaked(100, wrong.believed_noise == 1.0 ? 20 : 5)), 301);
   EngineConfig believes = believing(wrong);
   believes.calibration.mode = CalibrationMode::kObserve;
   const EngineConfig knows = believing({"known", wrong.true_detection, wrong.true_detection, 1.0, false});
