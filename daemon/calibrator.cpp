@@ -5,7 +5,11 @@
 #include <limits>
 #include <utility>
 
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
 #include "radar/assert.hpp"
+#include "radar/calibration/information.hpp"
 #include "radar/calibration/innovations.hpp"
 #include "radar/calibration/joint.hpp"
 
@@ -64,8 +68,35 @@ std::optional<std::size_t> nearest(const CorrectedRadar& radar, const State& pre
   return best;
 }
 
+/// Its plots, that is: a radar that sees less than it should still measures what it sees.
+bool is_trusted(const RadarCalibration& radar) {
+  return radar.detector.fault() == Fault::kNone || radar.detector.fault() == Fault::kDetection;
+}
+
 Correction between(const Correction& from, const Correction& to, double share) {
   return to_correction(to_vector(from) + share * (to_vector(to) - to_vector(from)));
+}
+
+/// What is to be used of an estimate: what is not observable and not two sigma off either stays as it is in use,
+/// since a value of its prior's size may be no error of the radar's, and the rest is the estimate's mean given that,
+///
+///   theta_k + C_kr C_rr^-1 (used_r - theta_r)
+Eigen::VectorXd known_part(const CalibrationEstimate& estimate, const Eigen::VectorXd& used) {
+  constexpr double kPlain = 2.0;  // sigma
+  std::vector<Eigen::Index> known;
+  std::vector<Eigen::Index> rest;
+  for (Eigen::Index i = 0; i < used.size(); ++i) {
+    const auto radar = static_cast<int>(i / kCorrectionSize);
+    const auto kind = static_cast<CorrectionKind>(i % kCorrectionSize);
+    const double off = std::abs(estimate.value[i] - used[i]) / estimate.standard_error(radar, kind);
+    (estimate.observable(radar, kind) || off > kPlain ? known : rest).push_back(i);
+  }
+  if (rest.empty()) return estimate.value;
+  const Eigen::MatrixXd among_rest = estimate.covariance(rest, rest);
+  const Eigen::VectorXd moved = among_rest.llt().solve(Eigen::VectorXd(used(rest) - estimate.value(rest)));
+  Eigen::VectorXd result = used;
+  result(known) = estimate.value(known) + estimate.covariance(known, rest) * moved;
+  return result;
 }
 
 }  // namespace
@@ -95,6 +126,7 @@ Calibrator::Calibrator(const EngineConfig& config, const std::vector<std::unique
   radars_.resize(beliefs_.size());
   if (!on()) return;
   plots_.reserve(static_cast<std::size_t>(settings_.window_plots));
+  bias_detector_ = BiasDetector(beliefs_.size(), config.targets.size());
   disturbances_.reserve(kMostDisturbances);
   expected_.reserve(static_cast<std::size_t>(config.bank.initial_probability.size()));
   motion_ = motion_prior(config);
@@ -124,51 +156,85 @@ void Calibrator::add(std::uint64_t scan, const Dwell& dwell, const ImmEstimate& 
   RadarCalibration& radar = radars_[index];
   radar.last_look = scan;
   const auto unexplained = std::count(others.begin(), others.end(), 0) - (used ? 1 : 0);
-  radar.detection.add(used.has_value(), belief.configured_detection(dwell.pointing));
   radar.clutter.add(static_cast<int>(unexplained), footprint_volume(belief));
 
   // A plot that is alone counts in the gate or not: of a noise that is too large the gate lets in what is small. What
   // is not the target's is the estimator's outlier.
   std::optional<std::size_t> own = used;
   if (!used) own = nearest(belief, dwell.pointing, plots, others);
-  watch(index, dwell, before, own ? &plots[*own] : nullptr, used.has_value(), scan);
+  watch_detection(index, dwell, used.has_value());
+  if (own) watch_plot(index, dwell, before, plots[*own], used.has_value(), scan);
+  for (RadarCalibration& each : radars_) {
+    if (each.detector.fault() != each.fault) change_fault(each, scan);
+  }
   if (used || (own && unexplained == 1)) keep(scan, dwell, plots[*own], truth);
 }
 
-/// A fault that comes or goes.
-void Calibrator::watch(int index, const Dwell& dwell, const ImmEstimate& before, const Plot* plot, bool detected,
-                       std::uint64_t scan) {
+void Calibrator::watch_detection(int index, const Dwell& dwell, bool detected) {
+  const CorrectedRadar& belief = *beliefs_[index];
   RadarCalibration& radar = radars_[index];
-  const Fault fault = radar.detector.fault();
-  radar.detector.add_look(detected, beliefs_[index]->detection_probability(dwell.pointing));
-  if (plot != nullptr) compare(index, dwell, before, *plot);
-  if (radar.detector.fault() != fault) change_fault(radar, scan);
+  const double configured = belief.configured_detection(dwell.pointing);
+  if (radar.detector.detection_sum() <= 0.0) {
+    radar.since_change = DetectionCount();
+    const double sure = radar.detection.scale() - 2.0 * radar.detection.standard_error(configured) / configured;
+    radar.held_scale = std::max(sure, 0.0);
+  }
+  radar.detection.add(detected, configured);
+  radar.since_change.add(detected, configured);
+  radar.detector.add_look(detected, radar.held_scale * configured);
 }
 
-/// The plot with what the track expects. A gross error takes the track with it, and then the next radar is as far off:
-/// the first to disagree is to answer for it, so the other's plot is no evidence.
-void Calibrator::compare(int index, const Dwell& dwell, const ImmEstimate& before, const Plot& plot) {
-  const std::uint32_t track = dwell.track.number;
-  const auto disturbance = std::find_if(disturbances_.begin(), disturbances_.end(),
-                                        [&](const Disturbance& other) { return other.track == track; });
-  const bool disturbed = disturbance != disturbances_.end() && disturbance->radar != index;
-  if (disturbance != disturbances_.end()) disturbances_.erase(disturbance);
-  if (disturbed) return;
+/// The plot with what the track expects.
+void Calibrator::watch_plot(int index, const Dwell& dwell, const ImmEstimate& before, const Plot& plot, bool used,
+                            std::uint64_t scan) {
   const CorrectedRadar& belief = *beliefs_[index];
+  const Matrix2 noise = belief.noise(dwell.pointing);
+  const Matrix2 trusted = noise / (belief.distrust() * belief.distrust());
+  BiasLook look{scan,
+                dwell.track.number,
+                static_cast<std::size_t>(index),
+                belief.jacobian(dwell.pointing),
+                Eigen::Matrix<double, kStateSize, 2>::Zero(),
+                trusted.diagonal().cwiseSqrt()};
   expected_.clear();
+  double total = 0.0;
   for (int j = 0; j < before.size(); ++j) {
     const Gaussian& mode = before.modes[j];
     const MeasurementJacobian h = belief.jacobian(mode.mean);
-    expected_.push_back({before.probability[j], belief.residual(plot.z, belief.measure(mode.mean)),
-                         h * mode.covariance * h.transpose()});
+    const Eigen::Matrix<double, kStateSize, 2> ph = mode.covariance * h.transpose();
+    const Vector2 nu = belief.residual(plot.z, belief.measure(mode.mean));
+    const Matrix2 s = h * ph + noise;
+    const double weight =
+        before.probability[j] * std::exp(-0.5 * nu.dot(s.inverse() * nu)) / std::sqrt(s.determinant());
+    expected_.push_back({before.probability[j], nu, h * ph});
+    look.gain += weight * ph * s.inverse();
+    total += weight;
   }
-  const double distrust = belief.distrust();
+  if (used && total > 0.0) {
+    look.gain /= total;
+  } else {
+    look.gain.setZero();
+  }
   const double false_density = belief.clutter_density() + calibration::kOutlierProbability / footprint_volume(belief);
-  const bool gross =
-      radars_[index].detector.add_plot(expected_, belief.noise(dwell.pointing) / (distrust * distrust), false_density);
-  if (!gross) return;
+  const PlotDensity density(expected_, trusted, false_density);
+  const bool disturbed = is_disturbed(index, look.track);
+  const bool says = !disturbed && is_trusted(radars_[index]);
+  if (const auto biased = bias_detector_.add(*motion_, look, says ? &density : nullptr)) {
+    radars_[*biased].detector.flag(Fault::kBias);
+  }
+  if (disturbed || !radars_[index].detector.add_plot(density)) return;
   if (disturbances_.size() == kMostDisturbances) disturbances_.erase(disturbances_.begin());
-  disturbances_.push_back({track, index});
+  disturbances_.push_back({look.track, index});
+}
+
+/// A gross error takes the track with it, and then the next radar is as far off: the first to disagree is to answer for
+/// it, so the other's plot is no evidence.
+bool Calibrator::is_disturbed(int index, std::uint32_t track) {
+  const auto disturbance = std::ranges::find(disturbances_, track, &Disturbance::track);
+  if (disturbance == disturbances_.end()) return false;
+  const bool others = disturbance->radar != index;
+  disturbances_.erase(disturbance);
+  return others;
 }
 
 void Calibrator::keep(std::uint64_t scan, const Dwell& dwell, const Plot& plot, const std::optional<State>& truth) {
@@ -189,20 +255,27 @@ void Calibrator::keep(std::uint64_t scan, const Dwell& dwell, const Plot& plot, 
   }
 }
 
-/// What a radar did before it went bad, or came back, says nothing of it now. Before it has been calibrated at all the
-/// fault is in its figures, which the plots at hand are to find.
+/// What a radar measured before it went bad, or came back, says nothing of it now, nor what it detected. As long as no
+/// bias of it has been found the fault may be in its figures, which the plots at hand are to find.
 void Calibrator::change_fault(RadarCalibration& radar, std::uint64_t scan) {
-  if (applied_scan_ > 0) radar.since_scan = scan + 1;
+  const bool of_plots = !is_trusted(radar) || (radar.fault != Fault::kNone && radar.fault != Fault::kDetection);
+  if (radar.fault == Fault::kDetection || radar.detector.fault() == Fault::kDetection) {
+    radar.detection = radar.since_change;
+  }
+  radar.fault = radar.detector.fault();
+  if (!of_plots) return;
+  if (!to_vector(radar.applied).tail<3>().isZero(0.0)) radar.since_scan = scan + 1;
+  bias_detector_.restart(scan);
   distrust();
 }
 
-/// Whoever is under suspicion weighs little, as long as another is not.
+/// Whose plots are under suspicion weighs little, as long as another is not.
 void Calibrator::distrust() {
   if (!applies()) return;
-  const auto trusted = [](const RadarCalibration& radar) { return radar.detector.fault() == Fault::kNone; };
-  const bool any = std::any_of(radars_.begin(), radars_.end(), trusted);
-  for (std::size_t i = 0; i < radars_.size(); ++i)
-    beliefs_[i]->set_distrust(any && !trusted(radars_[i]) ? kDistrust : 1.0);
+  const bool any = std::ranges::any_of(radars_, is_trusted);
+  for (std::size_t i = 0; i < radars_.size(); ++i) {
+    beliefs_[i]->set_distrust(any && !is_trusted(radars_[i]) ? kDistrust : 1.0);
+  }
 }
 
 void Calibrator::move_beliefs(std::uint64_t scan) {
@@ -246,9 +319,10 @@ void Calibrator::finish(const CalibrationTask& task, CalibrationOutcome outcome,
     for (RadarCalibration& radar : radars_) std::swap(radar.applied, radar.previous);
     applied_scan_ = scan;
   } else if (outcome.estimate.status == EstimatorStatus::kDone && applies()) {
+    const std::vector<Correction> next = unstacked(known_part(outcome.estimate, stacked(task.applied)));
     for (std::size_t i = 0; i < radars_.size(); ++i) {
       radars_[i].previous = radars_[i].applied;
-      radars_[i].applied = outcome.estimate.correction(static_cast<int>(i));
+      radars_[i].applied = next[i];
     }
     applied_scan_ = scan;
   }

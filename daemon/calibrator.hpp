@@ -6,6 +6,7 @@
 
 #include "bandit/policy.hpp"
 #include "daemon/engine_config.hpp"
+#include "radar/calibration/bias_detector.hpp"
 #include "radar/calibration/counting.hpp"
 #include "radar/calibration/estimator.hpp"
 #include "radar/calibration/fault_detector.hpp"
@@ -39,8 +40,11 @@ CalibrationOutcome solve(const CalibrationTask& task, EstimatorSettings settings
 /// What is known of one radar beyond its config.
 struct RadarCalibration {
   DetectionCount detection;
+  DetectionCount since_change;  ///< of the looks since the detector suspects that P_d has changed
+  double held_scale = 1.0;      ///< detection scale that was sure before that: a loss is not judged by what it taught
   ClutterCount clutter;
   FaultDetector detector;
+  Fault fault = Fault::kNone;    ///< of the detector, as it has been acted upon
   Correction applied;            ///< what belief holds, once the ramp has ended
   Correction previous;           ///< before that
   std::uint64_t since_scan = 0;  ///< plots of earlier scans are of a radar that has changed
@@ -84,9 +88,10 @@ class Calibrator {
 
  private:
   CalibrationWindow empty_window() const;
-  void watch(int index, const Dwell& dwell, const ImmEstimate& before, const Plot* plot, bool detected,
-             std::uint64_t scan);
-  void compare(int index, const Dwell& dwell, const ImmEstimate& before, const Plot& plot);
+  void watch_detection(int index, const Dwell& dwell, bool detected);
+  void watch_plot(int index, const Dwell& dwell, const ImmEstimate& before, const Plot& plot, bool used,
+                  std::uint64_t scan);
+  bool is_disturbed(int index, std::uint32_t track);
   void keep(std::uint64_t scan, const Dwell& dwell, const Plot& plot, const std::optional<State>& truth);
   void change_fault(RadarCalibration& radar, std::uint64_t scan);
   void distrust();
@@ -97,6 +102,7 @@ class Calibrator {
   std::vector<RadarCalibration> radars_;
   std::vector<CalibrationPlot> plots_;  // a ring
   std::size_t next_ = 0;
+  BiasDetector bias_detector_{0, 0};
   std::vector<ExpectedPlot> expected_;
   /// A gross error of a radar, the latest on a track that no other has looked at since.
   struct Disturbance {

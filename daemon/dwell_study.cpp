@@ -18,6 +18,7 @@ namespace {
 
 struct Flags {
   std::string config;
+  std::string replay;
   std::string policies;
   std::string format = "table";
   std::string out;
@@ -33,9 +34,12 @@ void interrupt(int signal) {
 
 void add_options(CLI::App& app, Flags& flags) {
   StudyRequest& request = flags.request;
-  app.add_option("--config", flags.config, "scenario or scheduling problem in protobuf text format")->required();
-  app.add_option("--policies", flags.policies, "a,b:key=value,c; default: the config's");
-  app.add_option("--seed", request.seed, "of the first run; default: the config's")->check(whole_number(0));
+  auto* config = app.add_option("--config", flags.config, "scenario or scheduling problem in protobuf text format");
+  auto* replay =
+      app.add_option("--replay", flags.replay, "the run of a journal, in the place of a config: --calibrate");
+  auto* policies = app.add_option("--policies", flags.policies, "a,b:key=value,c; default: the config's");
+  auto* seed =
+      app.add_option("--seed", request.seed, "of the first run; default: the config's")->check(whole_number(0));
   app.add_option("--runs", request.runs, "Monte Carlo runs")->check(whole_number(1, 10'000'000))->capture_default_str();
   app.add_option("--scans", request.scans, "of each run of a scenario; default: the config's study_scans")
       ->check(whole_number(1));
@@ -43,8 +47,11 @@ void add_options(CLI::App& app, Flags& flags) {
       ->check(whole_number(1, 256));
   app.add_option("--from-s", request.window.first_s, "figures of a scenario count from this stream time on");
   app.add_option("--to-s", request.window.last_s, "and up to this one");
-  app.add_option("--calibrate", request.calibrate, "what calibration knows of a scenario's radars, against their truth")
-      ->check(CLI::IsMember({"joint", "innovations"}));
+  auto* calibrate = app.add_option("--calibrate", request.calibrate,
+                                   "what calibration knows of a scenario's radars, against their truth")
+                        ->check(CLI::IsMember({"joint", "innovations"}));
+  app.add_flag("--known-flights", request.known_flights, "every target is a calibration flight")->needs(calibrate);
+  replay->needs(calibrate)->excludes(config)->excludes(policies)->excludes(seed);
   app.add_option("--format", flags.format, "what is printed")->check(CLI::IsMember({"table", "json", "csv"}));
   app.add_option("--out", flags.out, "directory for results.json, results.csv, the config and the plots");
 }
@@ -70,10 +77,16 @@ class Progress {
 
 int run(Flags flags) {
   if (!flags.policies.empty()) flags.request.policies = CLI::detail::split(flags.policies, ',');
-  ParsedConfig config = parse_config_file(flags.config);
-  const ProblemKind& kind = kind_of(config.message);
   std::signal(SIGINT, interrupt);
-  const auto report = kind.study(std::move(config), flags.request, {interrupted, Progress()});
+  const StudyWatch watch{interrupted, Progress()};
+  std::unique_ptr<StudyReport> report;
+  if (flags.replay.empty()) {
+    ParsedConfig config = parse_config_file(flags.config);
+    const ProblemKind& kind = kind_of(config.message);
+    report = kind.study(std::move(config), flags.request, watch);
+  } else {
+    report = study_journal(flags.replay, flags.request, watch);
+  }
   std::cout << (flags.format == "json" ? report->json() : flags.format == "csv" ? report->csv() : report->table());
   if (!std::cout.flush()) throw std::runtime_error("cannot write to standard output");
   if (!flags.out.empty()) report->write(flags.out);
@@ -89,6 +102,7 @@ int main(int argc, char** argv) {
   dwell::add_options(app, flags);
   try {
     app.parse(argc, argv);
+    if (flags.config.empty() && flags.replay.empty()) throw CLI::RequiredError("--config or --replay");
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? dwell::kDone : dwell::kBadCommandLine;
   }

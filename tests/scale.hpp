@@ -14,7 +14,9 @@ inline int scaled(int count) {
   return small ? std::max(1, count / 10) : count;
 }
 
-/// `full` in the long tests (./dev soak), `light` in the others: of a source that both have.
-inline int soaked(int full, int light) { return std::getenv("DWELL_SOAK") != nullptr ? full : light; }
+/// Whether this is one of the long tests (./dev soak): of a source that both have.
+inline bool soak() { return std::getenv("DWELL_SOAK") != nullptr; }
+/// `full` there, `light` elsewhere.
+inline int soaked(int full, int light) { return soak() ? full : light; }
 
 }  // namespace dwell

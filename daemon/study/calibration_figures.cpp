@@ -9,8 +9,6 @@
 
 #include <boost/math/distributions/chi_squared.hpp>
 
-#include "daemon/engine.hpp"
-
 namespace dwell {
 namespace {
 
@@ -22,14 +20,24 @@ struct Trial {
   Eigen::MatrixXd information;  // of the plots, at the truth
 };
 
-Trial run_trial(const EngineConfig& config, const CalibrationStudyOptions& options, std::span<const Correction> truth) {
-  Engine engine(config);
-  while (engine.last().scan < options.scans) engine.scan();
-  const CalibrationTask task = engine.calibrator().task(options.scans, options.joint);
+Trial try_estimate(const Engine& engine, bool joint, std::span<const Correction> truth) {
+  const CalibrationTask task = engine.calibrator().task(engine.last().scan, joint);
   Trial trial;
   trial.estimate = solve(task, {}).estimate;
   if (const auto information = plot_information(task.window, *task.motion, truth)) trial.information = *information;
   return trial;
+}
+
+/// The radars and what they truly are.
+std::vector<Correction> begin_figures(const EngineConfig& config, CalibrationFigures& figures) {
+  std::vector<Correction> truth;
+  for (const SensorConfig& sensor : config.sensors) {
+    if (!std::holds_alternative<RadarFigures>(sensor.figures)) continue;
+    truth.push_back(sensor.truth.correction);
+    figures.radars.push_back({sensor.name, {}});
+    for (int k = 0; k < kCorrectionSize; ++k) figures.radars.back().parameters[k].truth = to_vector(truth.back())[k];
+  }
+  return truth;
 }
 
 /// Of the mean of n NIS, each chi-square with two degrees of freedom.
@@ -102,20 +110,28 @@ void set_bounds(const std::vector<std::optional<Trial>>& trials, const Correctio
 
 }  // namespace
 
+int window_of(const EngineConfig& config, std::uint64_t scans) {
+  return static_cast<int>(std::min(scans * static_cast<std::uint64_t>(config.looks_per_scan), kMostPlots));
+}
+
+CalibrationFigures calibration_of(const Engine& engine, bool joint) {
+  CalibrationFigures figures;
+  const std::vector<Correction> truth = begin_figures(engine.config(), figures);
+  const std::vector<std::optional<Trial>> trials{try_estimate(engine, joint, truth)};
+  figures.runs = 1;
+  add(*trials.front(), truth, figures);
+  divide(figures);
+  set_bounds(trials, engine.config().calibration.prior, figures);
+  return figures;
+}
+
 CalibrationFigures study_calibration(const EngineConfig& config, const CalibrationStudyOptions& options,
                                      const std::atomic<bool>& stop, const std::function<void(int, int)>& progress) {
   EngineConfig of_study = config;
   of_study.calibration.mode = CalibrationMode::kObserve;
-  const auto looks = options.scans * static_cast<std::uint64_t>(config.looks_per_scan);
-  of_study.calibration.window_plots = static_cast<int>(std::min<std::uint64_t>(looks, kMostPlots));
+  of_study.calibration.window_plots = window_of(config, options.scans);
   CalibrationFigures figures;
-  std::vector<Correction> truth;
-  for (const SensorConfig& sensor : config.sensors) {
-    if (!std::holds_alternative<RadarFigures>(sensor.figures)) continue;
-    truth.push_back(sensor.truth.correction);
-    figures.radars.push_back({sensor.name, {}});
-    for (int k = 0; k < kCorrectionSize; ++k) figures.radars.back().parameters[k].truth = to_vector(truth.back())[k];
-  }
+  const std::vector<Correction> truth = begin_figures(config, figures);
   std::vector<std::optional<Trial>> trials(static_cast<std::size_t>(options.runs));
   std::atomic<std::size_t> next{0};
   std::mutex mutex;
@@ -123,7 +139,9 @@ CalibrationFigures study_calibration(const EngineConfig& config, const Calibrati
     for (std::size_t run = next++; run < trials.size() && !stop; run = next++) {
       EngineConfig of_run = of_study;
       of_run.seed = options.seed + run;
-      Trial trial = run_trial(of_run, options, truth);
+      Engine engine(of_run);
+      while (engine.last().scan < options.scans) engine.scan();
+      Trial trial = try_estimate(engine, options.joint, truth);
       const std::lock_guard lock(mutex);
       trials[run] = std::move(trial);
       progress(++figures.runs, options.runs);

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "daemon/calibrator.hpp"
+#include "daemon/engine.hpp"
 
 namespace dwell {
 
@@ -51,5 +51,11 @@ struct CalibrationStudyOptions {
 /// not depend on the number of threads.
 CalibrationFigures study_calibration(const EngineConfig& config, const CalibrationStudyOptions& options,
                                      const std::atomic<bool>& stop, const std::function<void(int, int)>& progress);
+
+/// The same of one run as it is, which is over.
+CalibrationFigures calibration_of(const Engine& engine, bool joint);
+
+/// The plots that calibration has to keep for so many scans.
+int window_of(const EngineConfig& config, std::uint64_t scans);
 
 }  // namespace dwell

@@ -5,8 +5,11 @@
 #include <spdlog/fmt/fmt.h>
 #include <nlohmann/json.hpp>
 
+#include "bandit/value_table.hpp"
 #include "daemon/config/config_reader.hpp"
 #include "daemon/config/policy_reader.hpp"
+#include "daemon/journal.hpp"
+#include "daemon/run.hpp"
 #include "daemon/study/calibration_figures.hpp"
 #include "daemon/study/problem_kinds.hpp"
 
@@ -124,7 +127,58 @@ class CalibrationReport final : public StudyReport {
   v1::Config config_;
 };
 
+void know_flights(EngineConfig& config) {
+  for (TargetConfig& target : config.targets) target.calibration_flight = true;
+}
+
+class Nowhere final : public Sink {
+ public:
+  void send(std::string_view /*topic*/, std::string_view /*envelope*/) override {}
+};
+
+/// The config of a journal, such that its run comes out the same. A run that applied what it had learned depends on its
+/// window and on what it was told of the flights; one that did not may keep all plots.
+DaemonConfig config_of(const Journal& journal, const std::string& file, std::uint64_t scans, bool known_flights) {
+  DaemonConfig config = read_config(journal.header.config(), file, journal.header.config_directory());
+  CalibrationSettings& calibration = config.engine.calibration;
+  if (calibration.mode != CalibrationMode::kApply) {
+    calibration.mode = CalibrationMode::kObserve;
+    calibration.window_plots = window_of(config.engine, scans);
+    if (known_flights) know_flights(config.engine);
+  } else if (known_flights) {
+    throw InvalidInput(file, {{"calibration.mode", "APPLY", "must be OBSERVE or OFF with --known-flights"}});
+  }
+  config.engine.value_table = std::make_shared<ValueTable>(ValueTable::OnDue::kBuild);
+  return config;
+}
+
 }  // namespace
+
+std::unique_ptr<StudyReport> study_journal(const std::string& file, const StudyRequest& request,
+                                           const StudyWatch& watch) {
+  Journal journal = read_journal(file);
+  CalibrationStudyOptions options;
+  options.runs = 1;
+  options.joint = *request.calibrate == "joint";
+  if (!request.scans && !journal.end) {
+    throw InvalidInput(file, {{"end", "", "is missing, the run was cut off: say how many --scans to repeat"}});
+  }
+  options.scans = request.scans ? *request.scans : journal.end->scan();
+  const DaemonConfig config = config_of(journal, file, options.scans, request.known_flights);
+  options.seed = config.engine.seed;
+  Nowhere nowhere;
+  Run run(config, nowhere, 0, nullptr);
+  run.set_replaying(std::move(journal.late));
+  for (std::size_t next = 0; run.scans() < options.scans && !watch.stop;) {
+    for (; next < journal.requests.size() && journal.requests[next].scan() <= run.scans() + 1; ++next) {
+      (void)run.replay(journal.requests[next].request());  // what the run refused it refuses again
+    }
+    run.scan();
+    watch.progress(static_cast<int>(run.scans()), static_cast<int>(options.scans));
+  }
+  options.scans = run.scans();
+  return std::make_unique<CalibrationReport>(calibration_of(run.engine(), options.joint), options, config.effective);
+}
 
 std::unique_ptr<StudyReport> study_calibration_of(DaemonConfig config, const StudyRequest& request,
                                                   const StudyWatch& watch) {
@@ -132,6 +186,7 @@ std::unique_ptr<StudyReport> study_calibration_of(DaemonConfig config, const Stu
     throw InvalidInput("--policies",
                        {{"policies", std::to_string(request.policies.size()), "must be one at most with --calibrate"}});
   }
+  if (request.known_flights) know_flights(config.engine);
   CalibrationStudyOptions options;
   options.runs = request.runs;
   options.seed = request.seed.value_or(config.engine.seed);

@@ -24,6 +24,7 @@ struct StudyRequest {
   std::optional<std::uint64_t> scans;  ///< of each run; none: the config's
   TimeWindow window;
   std::optional<std::string> calibrate;  ///< "joint", "innovations": what calibration knows of a scenario's radars
+  bool known_flights = false;            ///< with it: every target is a calibration flight
 };
 
 /// Who looks on: may cut a study short, and is told (done, of all), from any thread, one at a time.
@@ -47,6 +48,10 @@ std::unique_ptr<StudyReport> study_scenario(ParsedConfig config, const StudyRequ
 /// The same scenario's radars: calibration against their truth, under one policy.
 std::unique_ptr<StudyReport> study_calibration_of(DaemonConfig config, const StudyRequest& request,
                                                   const StudyWatch& watch);
+/// Of the radars of a run that dwelld has recorded: what its plots say. Requires `calibrate`.
+/// Errors   InvalidInput of a journal that cannot be repeated.
+std::unique_ptr<StudyReport> study_journal(const std::string& file, const StudyRequest& request,
+                                           const StudyWatch& watch);
 std::unique_ptr<StudyReport> study_lti(ParsedConfig config, const StudyRequest& request, const StudyWatch& watch);
 std::unique_ptr<StudyReport> study_hmm_selection(ParsedConfig config, const StudyRequest& request,
                                                  const StudyWatch& watch);

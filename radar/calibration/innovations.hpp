@@ -50,7 +50,8 @@ inline constexpr double kOutlierProbability = 1e-3;
 /// tracker in two things: the chain mixes once a gap, not once a scan, and the modes' weights follow from the
 /// parameters at hand. Where the truth is known there is no filter: nu = z - h(truth), S = R.
 ///
-/// Scalar   T: + - * / exp log sqrt atan2; derivatives through all of it, the linearisation point included.
+/// Scalar   T: + - * / exp log sqrt atan2; derivatives through all of it, the linearisation point included. Whatever of
+///          dual numbers GCC leaves to calls is five times slower: hence `flatten`.
 /// Cost     O(plots M^2 n^2 + plots M n^3) in T.
 /// Source   Bar-Shalom, Li, Kirubarajan (2001), 11.6.6; Schweppe (1965) for the decomposition.
 template <class T>
@@ -109,7 +110,7 @@ class InnovationFilter {
     }
   }
 
-  void predict(const MotionStep& step) {
+  [[gnu::flatten]] void predict(const MotionStep& step) {
     mixed_ = modes_;
     for (std::size_t j = 0; j < modes_.size(); ++j) {
       const auto to = static_cast<Eigen::Index>(j);
@@ -129,17 +130,30 @@ class InnovationFilter {
         p += weight(i) * (modes_[i].p + spread * spread.transpose());
       }
       p /= c;
-      const CovarianceT f = step.f[j].template cast<T>();
-      mixed_[j].x = f * x;
-      const CovarianceT moved = f * p * f.transpose() + step.q[j].template cast<T>();
-      mixed_[j].p = (moved + moved.transpose()) * T{0.5};
+      mixed_[j].x = StateT::Zero();
+      add_product(step.f[j], x, mixed_[j].x);
+      CovarianceT moved = CovarianceT::Zero();
+      add_product(step.f[j], p, moved);
+      mixed_[j].p = step.q[j].template cast<T>();
+      add_product(step.f[j], moved.transpose(), mixed_[j].p);
       mixed_[j].probability = c;
     }
     std::swap(modes_, mixed_);
   }
 
+  /// sum += F m, by the elements of F that are not zero: few of a motion's, and no derivatives in them.
+  template <class Matrix, class Sum>
+  static void add_product(const StateMatrix& f, const Matrix& m, Sum& sum) {
+    for (int i = 0; i < kStateSize; ++i) {
+      for (int k = 0; k < kStateSize; ++k) {
+        if (f(i, k) == 0.0) continue;
+        for (Eigen::Index l = 0; l < m.cols(); ++l) sum(i, l) += m(k, l) * f(i, k);
+      }
+    }
+  }
+
   /// nu, S and log(c_j N_j) of every mode.
-  void expect(const CalibrationPlot& plot, const RadarParameters<T>& radar) {
+  [[gnu::flatten]] void expect(const CalibrationPlot& plot, const RadarParameters<T>& radar) {
     using std::atan2;
     using std::log;
     using std::sqrt;
@@ -195,7 +209,7 @@ class InnovationFilter {
   }
 
   /// `share` = 1 - w0: how much of the plot is believed to be the track's.
-  void update(const T& share) {
+  [[gnu::flatten]] void update(const T& share) {
     using std::exp;
     // Among themselves, also where the plot is so far off that each alone is zero.
     T largest = innovations_[0].log_weight;

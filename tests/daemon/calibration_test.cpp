@@ -69,7 +69,9 @@ TEST(Calibration, ObservingChangesNothingElse) {
 }
 
 TEST(Calibration, AppliedTheSameSeedGivesTheSameBytes) {
-  const DaemonConfig config = config_of(kWrong + "calibration { mode: APPLY }");
+  // A bias of two sigma: four lose the simulation its tracks before it can be known.
+  const std::string wrong = std::regex_replace(kWrong, std::regex("azimuth_bias_deg: .2"), "azimuth_bias_deg: .1");
+  const DaemonConfig config = config_of(wrong + "calibration { mode: APPLY }");
   RecordedRun one(config);
   RecordedRun two(config);
   one.scan(350);
@@ -83,7 +85,7 @@ TEST(Calibration, AppliedTheSameSeedGivesTheSameBytes) {
   // Found within 5 standard errors.
   const v1::CalibrationParameter& bias = north.parameter(3);
   EXPECT_TRUE(bias.observable());
-  EXPECT_NEAR(bias.value(), 0.2, 5.0 * bias.standard_error());
+  EXPECT_NEAR(bias.value(), 0.1, 5.0 * bias.standard_error());
   EXPECT_LE(bias.standard_error(), 0.05);
 }
 

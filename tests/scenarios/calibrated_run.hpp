@@ -1,15 +1,13 @@
 #pragma once
 
 #include <array>
-#include <cstdlib>
+#include <optional>
 
 #include "daemon/calibration_loop.hpp"
+#include "tests/scale.hpp"
 #include "tests/scenarios/monte_carlo.hpp"
 
 namespace dwell::testing {
-
-/// The counts of the published figures.
-inline bool soak() { return std::getenv("DWELL_SOAK") != nullptr; }
 
 /// A run with its calibration, that waits for its solves; calls `after` after every scan.
 template <class After>
@@ -24,9 +22,9 @@ void run_calibrated(const EngineConfig& config, std::uint64_t scans, After&& aft
   }
 }
 
-/// Of the tracks' positions, by the number of the track; 0 of one that is not there.
-inline std::array<double, 3> squared_errors(const Engine& engine) {
-  std::array<double, 3> errors{};
+/// Of the tracks' positions, by the number of the track; empty of one that is lost.
+inline std::array<std::optional<double>, 3> squared_errors(const Engine& engine) {
+  std::array<std::optional<double>, 3> errors{};
   std::size_t place = 0;
   for (const TruthReport& truth : engine.last().truth) {
     while (engine.tracks()[place].id != truth.track) ++place;

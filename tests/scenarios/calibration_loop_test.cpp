@@ -42,25 +42,32 @@ EngineConfig believing(const WrongFigure& wrong) {
 using FirstScans = std::vector<std::uint64_t>;
 
 struct Outcome {
-  double error_m =
-      0.0;             ///< mean distance of the tracks from their targets; its square has tails that outweigh all else
+  /// Mean distance of the living tracks from their targets; its square has tails that outweigh all else.
+  double error_m = 0.0;
   double share = 0.0;  ///< of the looks that the radar got
+  std::uint64_t lost = 0;
 };
 
 /// Over the scans that count, up to 600; a run for each.
 Outcome measure(EngineConfig config, const FirstScans& first) {
   double scans = 0.0;
+  double tracks = 0.0;
   Outcome outcome;
   for (std::size_t run = 0; run < first.size(); ++run) {
     config.seed = run + 1;
     run_calibrated(config, 600, [&](const Engine& engine) {
+      if (engine.last().scan == 600) outcome.lost += engine.counts().tracks_lost;
       if (engine.last().scan < first[run]) return;
-      for (const double squared : squared_errors(engine)) outcome.error_m += std::sqrt(squared) / 3.0;
+      for (const auto& squared : squared_errors(engine)) {
+        if (!squared) continue;
+        outcome.error_m += std::sqrt(*squared);
+        tracks += 1.0;
+      }
       outcome.share += engine.last().looks.front().dwell.radar.number == kBest + 1;
       scans += 1.0;
     });
   }
-  return {outcome.error_m / scans, outcome.share / scans};
+  return {outcome.error_m / tracks, outcome.share / scans, outcome.lost};
 }
 
 /// The scans after the radar's 15th look.
@@ -77,7 +84,8 @@ FirstScans after_fifteen_looks(EngineConfig config, int runs) {
 }
 
 void print(const char* name, const Outcome& outcome) {
-  std::printf("  %-20s error %6.1f m, share of looks %.3f\n", name, outcome.error_m, outcome.share);
+  std::printf("  %-20s error %6.1f m, share of looks %.3f, %d tracks lost\n", name, outcome.error_m, outcome.share,
+              static_cast<int>(outcome.lost));
 }
 
 TEST(LearnedDetection, AnOptimisticFigureCostsNothingAfterFifteenLooks) {
@@ -87,7 +95,7 @@ TEST(LearnedDetection, AnOptimisticFigureCostsNothingAfterFifteenLooks) {
   EngineConfig believes = learns;
   believes.calibration.mode = CalibrationMode::kObserve;
   const EngineConfig knows = believing({"known", 0.4, 0.4, 1.0, false});
-  const FirstScans first = after_fifteen_looks(learns, soak() ? 100 : 20);
+  const FirstScans first = after_fifteen_looks(learns, soaked(100, 20));
   const Outcome learned = measure(learns, first);
   const Outcome known = measure(knows, first);
   std::printf("%s, after its 15th look, %zu runs\n", wrong.name, first.size());
@@ -101,7 +109,7 @@ class StarvedRadar : public ::testing::TestWithParam<WrongFigure> {};
 
 TEST_P(StarvedRadar, ComesBackByExploration) {
   const WrongFigure& wrong = GetParam();
-  const FirstScans first(soak() ? 100 : wrong.believed_noise == 1.0 ? 20 : 2, 301);
+  const FirstScans first(static_cast<std::size_t>(soaked(100, wrong.believed_noise == 1.0 ? 20 : 5)), 301);
   EngineConfig believes = believing(wrong);
   believes.calibration.mode = CalibrationMode::kObserve;
   const EngineConfig knows = believing({"known", wrong.true_detection, wrong.true_detection, 1.0, false});

@@ -4,6 +4,8 @@
 
 #include <cmath>
 #include <cstdio>
+#include <ostream>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -87,21 +89,34 @@ constexpr double kReported = 0.15;
 /// The mean information of a few runs, of a mixture at the truth, is no bound yet: it need not even be positive.
 bool has_bound(const CalibrationFigures& figures) { return figures.solved >= 50; }
 
+/// Of the mean NIS of so many plots: chi-square with two degrees of freedom each, by its normal limit.
+double half_band(double plots) { return 1.96 * std::sqrt(4.0 / plots); }
+
+/// How often an unobservable parameter may be reported observable. What is reported is reported at the estimate. Of a
+/// noise that hides behind the tracks' uncertainty the standard error goes as e^-2s with the log scale s: by chance an
+/// estimate is so far above the truth that its own standard error, as far off the bound as it may be, is under `limit`.
+double reported_by_chance(Kind kind, double bound, double limit) {
+  if (kind != Kind::kLogRangeScale && kind != Kind::kLogAzimuthScale) return 0.0;
+  return statistics::normal_cdf(-0.5 * std::log((1.0 - kReported) * bound / limit) / bound);
+}
+
 /// A parameter is tried where its bound is at most a fifth of the change. Elsewhere it is not observable, which the
-/// reported standard errors decide: as far off the bound as they may be.
+/// reported standard errors decide: as far off the bound as they may be. A run without a result is a miss.
 void expect_known(const CalibrationFigures& figures, const Change& change, double within_three) {
-  ASSERT_EQ(figures.solved, figures.runs) << figures.failure;
+  ASSERT_GE(figures.solved, statistics::binomial_band(figures.runs, within_three).low) << figures.failure;
   for (const int i : change.radars) {
     const CalibratedParameter& p = figures.radars[i].parameters[static_cast<int>(change.kind)];
     SCOPED_TRACE(figures.radars[i].name);
-    if (has_bound(figures) && p.bound > 0.2 * std::abs(change.value)) {
-      if (p.bound * (1.0 - kReported) > 0.2 * std::abs(change.value)) {
-        EXPECT_EQ(p.observable, 0);
+    const double limit = 0.2 * std::abs(change.value);
+    if (has_bound(figures) && p.bound > limit) {
+      if (p.bound * (1.0 - kReported) > limit) {
+        const double chance = reported_by_chance(change.kind, p.bound, limit);
+        EXPECT_LE(p.observable, statistics::binomial_band(figures.solved, chance).high);
       }
       continue;
     }
-    expect_share(p.within_three, figures.solved, within_three, 1.0);
-    expect_share(p.within_two, figures.solved, 0.88, 0.98);
+    expect_share(p.within_three, figures.runs, within_three, 1.0);
+    expect_share(p.within_two, figures.runs, 0.88, 0.98);
     if (has_bound(figures)) {
       EXPECT_NEAR(p.standard_error / p.bound, 1.0, kReported);
     }
@@ -109,11 +124,12 @@ void expect_known(const CalibrationFigures& figures, const Change& change, doubl
 }
 
 struct Case {
-  const char* scenario;
+  std::string scenario;
   Change change;
 };
+void PrintTo(const Case& of, std::ostream* out) { *out << of.scenario << ", " << of.change.name; }
 
-std::vector<Case> cases(const char* name) {
+std::vector<Case> cases(const std::string& name) {
   std::vector<Case> all;
   for (const Change& change : kChanges) all.push_back({name, change});
   return all;
@@ -121,27 +137,57 @@ std::vector<Case> cases(const char* name) {
 
 class Calibration : public ::testing::TestWithParam<Case> {};
 
+/// The NIS: inside its band afterwards. Before, noise three times the believed lies outside in every run. What is less
+/// noisy than believed, and a bias of the range, hide behind the tracks' own uncertainty, S = H P H' + R: with R a
+/// share a of S, noise of half its size takes 3/4 a from the NIS of 2 and the tracks' lesser errors some more, where
+/// the band of 180 plots is .29. On racetracks that shows; where the flights are rougher, hardly. A range bias of 30 m
+/// adds (30 m)^2 / S = .1 at most.
 TEST_P(Calibration, FindsWhatIsWrongWithinWhatItReports) {
   const auto& [name, change] = GetParam();
-  const bool simulated = std::string(name) == "calibration_traffic";
-  const CalibrationFigures figures = study(changed(name, change), soak() ? 200 : 1, false);
-  std::printf("%s, %s, %d runs\n", name, change.name, figures.runs);
+  const bool simulated = name == "calibration_traffic";
+  const CalibrationFigures figures = study(changed(name, change), soaked(200, 1), false);
+  std::printf("%s, %s, %d runs, %d with a result\n", name.c_str(), change.name, figures.runs, figures.solved);
   print(figures, change.kind);
   expect_known(figures, change, simulated ? 0.98 : 0.95);
-  const bool noisier = change.value == std::log(3.0);
   for (const CalibratedRadar& radar : figures.radars) {
-    // The band holds 95 % of matched radars; estimated noise draws the mean to its middle.
-    if (simulated) {
-      expect_share(radar.in_band_after, figures.solved, 0.95, 1.0);
-    }
-    if (noisier) {  // what is less noisy than believed hides behind the tracks' own uncertainty
+    SCOPED_TRACE(radar.name);
+    // Of one run the band holds 95 %; of the mean over runs it is what a model may be off.
+    const double band = half_band(radar.plots) * (has_bound(figures) ? 1.0 : 2.5);
+    EXPECT_NEAR(radar.nis_after, 2.0, band);
+    if (change.value == std::log(3.0)) {
       EXPECT_LE(radar.in_band_before, statistics::binomial_band(figures.solved, 0.05).high);
+    }
+    if (!has_bound(figures) || !simulated) continue;
+    if (change.value == std::log(0.5)) {
+      EXPECT_LT(radar.nis_before, 2.0 - band);
+    }
+    if (change.kind == Kind::kRangeBias) {
+      EXPECT_NEAR(radar.nis_before, 2.0, band);
     }
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(Traffic, Calibration, ::testing::ValuesIn(cases("calibration_traffic")));
 INSTANTIATE_TEST_SUITE_P(Recorded, Calibration, ::testing::ValuesIn(cases("recorded_flights")));
+
+/// Of targets that move as the motion prior says nothing is left of what racetracks do to the NIS of the best radar:
+/// the band holds 95 % of the runs, estimated noise draws the mean to its middle.
+TEST(CalibrationOfMatchedMotion, BringsTheNisIntoItsBand) {
+  EngineConfig config = changed("calibration_traffic", kChanges[0]);
+  config.targets = read_config_text(R"(
+    radar { name: "any" }
+    target { name: "alpha" x_m: 10e3 y_m: 15e3 vx_mps: 68 vy_mps: 188 jump_markov { area { radius_m: 40e3 } } }
+    target { name: "bravo" x_m: -20e3 y_m: 5e3 vx_mps: 116 vy_mps: -138 jump_markov { area { radius_m: 40e3 } } }
+    target { name: "charlie" x_m: 5e3 y_m: -20e3 vx_mps: -149 vy_mps: -13 jump_markov { area { radius_m: 40e3 } } }
+  )",
+                                    "matched motion", ".")
+                       .engine.targets;
+  const CalibrationFigures figures = study(config, soaked(200, 1), false);
+  std::printf("targets that move as the prior says, %s, %d runs\n", kChanges[0].name, figures.runs);
+  print(figures, kChanges[0].kind);
+  expect_known(figures, kChanges[0], 0.98);
+  for (const CalibratedRadar& radar : figures.radars) expect_share(radar.in_band_after, figures.solved, 0.95, 1.0);
+}
 
 class JointCalibration : public ::testing::TestWithParam<bool> {};
 
@@ -150,7 +196,7 @@ TEST_P(JointCalibration, FindsBiasesOfRecordedFlights) {
   for (const Change& change : {kChanges[4], kChanges[5]}) {
     EngineConfig config = changed("recorded_flights", change);
     for (TargetConfig& target : config.targets) target.calibration_flight = GetParam();
-    const CalibrationFigures figures = study(config, soak() ? 200 : 1, true);
+    const CalibrationFigures figures = study(config, soaked(200, 1), true);
     std::printf("recorded_flights, %s, jointly, %s, %d runs\n", change.name, GetParam() ? "known truth" : "unknown",
                 figures.runs);
     print(figures, change.kind);
@@ -179,7 +225,7 @@ INSTANTIATE_TEST_SUITE_P(Recorded, JointCalibration, ::testing::Bool(),
 /// 0.2 degrees at the best radar: after 25 scans the bound is to allow three sigma, and so the reports.
 TEST(CalibrationInTime, SeesAnAzimuthBiasWithin25Scans) {
   const EngineConfig config = changed("calibration_traffic", kChanges[5]);
-  const int runs = soak() ? 200 : 5;
+  const int runs = soaked(200, 5);
   const CalibrationFigures early = study(config, runs, false, 25);
   std::printf("azimuth bias 0.2 deg after 25 scans\n");
   print(early, Kind::kAzimuthBias);
@@ -194,7 +240,7 @@ TEST(CalibrationInTime, KnowsAzimuthBiasesToPartOfSigmaFrom100Scans) {
   for (const bool known : {false, true}) {
     EngineConfig config = changed("calibration_traffic", kChanges[5]);
     for (TargetConfig& target : config.targets) target.calibration_flight = known;
-    const CalibrationFigures figures = study(config, soak() ? 200 : 3, false, 100);
+    const CalibrationFigures figures = study(config, soaked(200, 3), false, 100);
     std::printf("azimuth bias 0.2 deg after 100 scans, flights %s\n", known ? "known" : "unknown");
     print(figures, Kind::kAzimuthBias);
     for (std::size_t i = 0; i < 3; ++i) {

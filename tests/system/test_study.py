@@ -10,7 +10,7 @@ import subprocess
 import time
 import unittest
 
-from daemon import BUSY, PATIENCE_S, SystemTest, scaled
+from daemon import BUSY, PATIENCE_S, SystemTest, scaled, scenario
 
 STUDY = os.environ["DWELL_STUDY"]
 POLICIES = "sa_imm,round_robin:order=locked,largest_variance"
@@ -131,6 +131,54 @@ class Study(SystemTest):
             code, _, log = self.study("--scans", 60, *window)
             self.assertEqual(code, 78, window)
             self.assertIn("must hold a scan", log)
+
+    def test_calibration_from_a_recording_is_that_of_its_scenario(self):
+        """The run that dwelld has recorded is the one that the study flies."""
+        journal, scans = self.path("journal"), 300
+        config = scenario("calibration_traffic")
+        with self.daemon(config, "--fast", "--scans", scans, "--record", journal) as daemon:
+            self.assertEqual(daemon.wait(), 0, daemon.log)
+
+        def recorded(*arguments):
+            done = subprocess.run([STUDY, "--replay", journal, "--format", "json", *map(str, arguments)],
+                                  capture_output=True, text=True, timeout=PATIENCE_S, check=False)
+            return done.returncode, done.stdout, done.stderr
+
+        results = {}
+        for known in ([], ["--known-flights"]):
+            arguments = ["--calibrate", "joint", *known]
+            code, output, log = recorded(*arguments)
+            self.assertEqual(code, 0, log)
+            flown = self.study(*arguments, "--runs", 1, "--scans", scans, "--format", "json",
+                               config=self.config(config))[1]
+            self.assertEqual(json.loads(output), json.loads(flown))
+            results[len(known)] = {(row["radar"], row["parameter"]): row for row in json.loads(output)["parameters"]}
+        # Of unknown flights no time bias is seen, of known ones each bias is better known than before.
+        for (radar, parameter), row in results[0].items():
+            if parameter == "time_bias_s":
+                self.assertEqual(row["observable"], 0.0)
+            if "bias" in parameter:
+                self.assertLess(results[1][radar, parameter]["standard_error"], row["standard_error"])
+        code, output, log = recorded("--calibrate", "innovations", "--scans", 100)
+        self.assertEqual(code, 0, log)
+        self.assertEqual(json.loads(output)["scans"], 100)
+        for arguments in ([], ["--calibrate", "joint", "--config", self.config()], ["--known-flights"]):
+            self.assertEqual(recorded(*arguments)[0], 2, arguments)
+        code, _, log = self.study("--known-flights")
+        self.assertEqual(code, 2, log)
+
+    def test_a_recording_that_applied_what_it_learned_is_repeated_as_it_was(self):
+        journal = self.path("journal")
+        config = BUSY + "calibration { mode: APPLY }\n"
+        with self.daemon(config, "--fast", "--scans", 150, "--record", journal) as daemon:
+            self.assertEqual(daemon.wait(), 0, daemon.log)
+        command = [STUDY, "--replay", journal, "--calibrate", "joint"]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE_S, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("1 with a result", done.stdout)
+        done = subprocess.run([*command, "--known-flights"], capture_output=True, text=True, timeout=PATIENCE_S, check=False)
+        self.assertEqual(done.returncode, 78)
+        self.assertIn("calibration.mode", done.stderr)
 
     def test_out_that_cannot_be_written_is_said(self):
         code, _, log = self.study("--runs", 1, "--out", "/proc/dwell")
