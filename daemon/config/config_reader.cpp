@@ -37,7 +37,7 @@ class ConfigReader {
     read_calibration(top_.child("calibration"), engine_.calibration);
     FieldReader policy = top_.child("policy");
     if (config_.effective.policy().kind_case() == v1::Policy::KIND_NOT_SET) {
-      config_.effective.mutable_policy()->mutable_index();
+      config_.effective.mutable_policy()->mutable_sa_imm();
     }
     const auto settings =
         read_policy(*config_.effective.mutable_policy(), policy, static_cast<int>(engine_.sensors.size()));
