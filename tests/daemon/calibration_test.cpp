@@ -84,6 +84,7 @@ TEST(Calibration, AppliedTheSameSeedGivesTheSameBytes) {
   ASSERT_EQ(north.applied_value_size(), 5);
   // Found within 5 standard errors.
   const v1::CalibrationParameter& bias = north.parameter(3);
+  EXPECT_TRUE(bias.observable());
   EXPECT_NEAR(bias.value(), 0.1, 5.0 * bias.standard_error());
   EXPECT_LE(bias.standard_error(), 0.05);
 }
