@@ -310,7 +310,7 @@ Suffered suffer(const EngineConfig& config, bool down) {
 /// radar down for that time: what is lost is the radar, and not more. The geometric mean of the pairs' ratios, so that
 /// one track that goes astray in either does not decide; those that are lost or twice as far off are counted.
 TEST(RadarFault, OtherTracksHardlySuffer) {
-  const int runs = soaked(200, 10);
+  const int runs = 200;  // fewer do not tell 1.05
   double log_ratios = 0.0;
   int tracks = 0;
   int worse = 0;

@@ -123,6 +123,7 @@ class Replay(SystemTest):
         config = 'radar { name: "r" y_m: -50e3 } target { name: "t" recording { file: "f.csv" repeat: true } }\n'
         with self.daemon(config, "--fast", "--wait-subscribers", 1, "--scans", 600, "--record", journal) as daemon:
             original = daemon.stream().to_the_end()
+            self.assertEqual(daemon.wait(), 0, daemon.log)
         before = os.getcwd()
         os.chdir("/")
         try:
