@@ -1,10 +1,13 @@
 #include "bandit/restless/priced_arm.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <span>
 #include <stdexcept>
+
+#include "bandit/restless/components.hpp"
 
 namespace dwell::restless {
 namespace {
@@ -23,11 +26,7 @@ constexpr double kSettled = 1e-9;
 /// relative, and the improvements end.
 constexpr int kMostStalled = 2;
 constexpr double kStalled = 1e-6;
-/// Doublings of a pause; a covariance that has not moved after so many scans has settled.
-constexpr int kPauses = 30;
-/// A pause ends that far from its start, in the distance at which covariances are one: what is one with the end is then
-/// beyond the start. Requires distances below .04.
-constexpr double kApart = 1.05;
+/// How coarse points get where there are too many: below what PlanPoints bears.
 constexpr double kCoarsest = 0.035;
 /// A price that is higher than the last by more is far: from its value the search begins with waits that are much too
 /// long, which may be more points than there are.
@@ -37,41 +36,17 @@ constexpr int kExtrapolate = 32;
 /// Idle lengths of the seeds' periodic looks.
 constexpr int kSeedPeriods[] = {1, 2, 3, 4, 6, 8, 12, 16, 24};
 
-bool within(const Packed& a, const Packed& b, const Packed& tolerance) {
-  for (Eigen::Index i = 0; i < a.size(); ++i) {
-    if (!(std::abs(a[i] - b[i]) <= tolerance[i])) return false;
-  }
-  return true;
-}
-
 }  // namespace
 
 PricedArm::PricedArm(const Arm& arm, double discount, const PricedArmSettings& settings)
-    : arm_(arm),
-      discount_(discount),
-      settings_(settings),
-      idle_map_(congruence(arm.f)),
-      q_(pack_state(arm.q)),
-      scan_cost_(pack_weight(arm.weight * arm.cost)) {
+    : arm_(arm), discount_(discount), settings_(settings), points_(arm, discount) {
   const bool misses =
       std::any_of(arm.sensors.begin(), arm.sensors.end(), [](const Sensor& s) { return s.p_detect < 1.0; });
-  same_point_ = misses ? settings.same_point_with_misses : settings.same_point;
+  finest_ = misses ? settings.same_point_with_misses : settings.same_point;
+  if (arm.states() > 2) finest_ = std::max(finest_, settings.same_point_of_many_states);
+  points_.set_same_point(finest_);
   const double forgotten = 1.0 - std::min(discount * all_looks(arm).memory, kMostMemory);
   most_sweeps_ = std::max(3000, static_cast<int>(40.0 / forgotten));
-  if (arm.states() > 2) same_point_ = std::max(same_point_, settings.same_point_of_many_states);
-  finest_ = same_point_;
-  pauses_.push_back({1.0, discount_, idle_map_, q_, scan_cost_, 0.0});
-  while (pauses_.size() < kPauses) {
-    const Pause& half = pauses_.back();
-    pauses_.push_back({2.0 * half.scans, half.discount * half.discount, half.after * half.after,
-                       half.after * half.noise + half.noise,
-                       half.cost + half.discount * (half.after.transpose() * half.cost),
-                       half.cost_noise + half.discount * (half.cost.dot(half.noise) + half.cost_noise)});
-    if (!pauses_.back().after.allFinite() || !pauses_.back().cost.allFinite()) {
-      pauses_.pop_back();
-      break;
-    }
-  }
   seed();
 }
 
@@ -79,102 +54,39 @@ double PricedArm::p_detect(const Node& node) const {
   return node.sensor < 0 ? 0.0 : arm_.sensors[static_cast<std::size_t>(node.sensor)].p_detect;
 }
 
-const PricedArm::LookMap& PricedArm::look_of(std::size_t k) const {
+const PlanPoints::LookMap& PricedArm::look_of(std::size_t k) const {
   return points_[k].looks[static_cast<std::size_t>(nodes_[k].sensor)];
 }
 
-const PricedArm::Pause& PricedArm::pause_of(std::size_t k) const {
-  return pauses_[static_cast<std::size_t>(points_[k].pause)];
-}
+double PricedArm::scans(std::size_t k) const { return nodes_[k].sensor < 0 ? points_.pause(k).scans : 1.0; }
 
-double PricedArm::scans(std::size_t k) const { return nodes_[k].sensor < 0 ? pause_of(k).scans : 1.0; }
-
-double PricedArm::next_discount(std::size_t k) const { return nodes_[k].sensor < 0 ? pause_of(k).discount : discount_; }
-
-/// How far each element may be from that of `p`: a part of the product of two standard deviations.
-Packed PricedArm::tolerance(const Packed& p, double relative) const {
-  const Eigen::Index n = arm_.states();
-  double sigma[kMaximumStates];
-  Eigen::Index at = 0;
-  for (Eigen::Index j = 0; j < n; at += n - j, ++j) sigma[j] = std::sqrt(p[at]);
-  Packed tolerance(p.size());
-  at = 0;
-  for (Eigen::Index j = 0; j < n; ++j) {
-    for (Eigen::Index i = j; i < n; ++i, ++at) tolerance[at] = relative * sigma[i] * sigma[j];
-  }
-  return tolerance;
-}
-
-/// The point that is the same covariance; -1: none.
-int PricedArm::find(const Packed& p) const {
-  const Packed tolerance = this->tolerance(p, same_point_);
-  for (std::size_t k = 0; k < points_.size(); ++k) {
-    if (within(p, points_[k].p, tolerance)) return static_cast<int>(k);
-  }
-  return -1;
-}
-
-/// The shortest pause that leaves the point's neighbourhood: what is the same as its end is another point, and not one
-/// on the way. One scan where none does: the covariance has settled.
-void PricedArm::place_pause(Point& point) {
-  for (std::size_t k = 0; k < pauses_.size(); ++k) {
-    const Packed end = pauses_[k].after * point.p + pauses_[k].noise;
-    if (!end.allFinite()) break;
-    if (within(end, point.p, tolerance(end, kApart * same_point_))) continue;
-    point.pause = static_cast<int>(k);
-    point.pause_successor = end;
-    return;
-  }
-  point.pause = 0;
-  point.pause_successor = point.idle_successor;
+double PricedArm::next_discount(std::size_t k) const {
+  return nodes_[k].sensor < 0 ? points_.pause(k).discount : discount_;
 }
 
 int PricedArm::find_or_add(const Packed& p) {
-  const int found = find(p);
-  if (found >= 0) return found;
-  Point point{p, idle_map_ * p + q_, 0, {}, {}};
-  place_pause(point);
-  const Matrix predicted = unpack_state(p, arm_.states());
-  for (const Sensor& sensor : arm_.sensors) {
-    const LookUpdate look = look_update(sensor, predicted);
-    LookMap map;
-    map.after = congruence(arm_.f * look.a);
-    map.after_noise = pack_state(restless::predict(arm_, look.noise));
-    map.cost = congruence(look.a).transpose() * scan_cost_;
-    map.cost_noise = scan_cost_.dot(pack_state(look.noise));
-    map.successor = pack_state(restless::predict(arm_, look.covariance));
-    point.looks.push_back(std::move(map));
-  }
-  points_.push_back(std::move(point));
+  const int k = points_.find_or_add(p);
+  if (points_.size() == nodes_.size()) return k;
   nodes_.emplace_back();
   const auto count = static_cast<Eigen::Index>(points_.size());
   if (weights_.cols() < count) {
-    weights_.conservativeResize(q_.size(), 2 * count);
+    weights_.conservativeResize(p.size(), 2 * count);
     cost_.conservativeResize(2 * count);
     work_.conservativeResize(2 * count);
   }
   weights_.col(count - 1).setZero();
   cost_[count - 1] = work_[count - 1] = 0.0;
-  return static_cast<int>(count) - 1;
+  return k;
 }
 
 /// The point of a covariance that a node leads to; once the points are all given, the active one whose plan costs least
 /// from there.
 int PricedArm::node_at(const Packed& p) {
-  const int found = find(p);
+  const int found = points_.find(p);
   if (found >= 0) return found;
   if (static_cast<int>(points_.size()) < settings_.maximum_points) return find_or_add(p);
   too_many_ = true;
-  int nearest = 0;
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t k = 0; k < points_.size(); ++k) {
-    const double apart = (points_[k].p - p).squaredNorm();
-    if (apart < least) {
-      least = apart;
-      nearest = static_cast<int>(k);
-    }
-  }
-  return nearest;
+  return points_.nearest(p);
 }
 
 /// The first V is that of looks with every sensor in turn, without a pause, and with the gains that are right on
@@ -220,8 +132,8 @@ void PricedArm::seed() {
 }
 
 /// One scan's cost, what follows by V and the look's price; `idle` is that of the idle action.
-double PricedArm::action_cost(const Point& point, int sensor, double idle, double price) const {
-  const LookMap& look = point.looks[static_cast<std::size_t>(sensor)];
+double PricedArm::action_cost(const PlanPoints::Point& point, int sensor, double idle, double price) const {
+  const PlanPoints::LookMap& look = point.looks[static_cast<std::size_t>(sensor)];
   const double p_d = arm_.sensors[static_cast<std::size_t>(sensor)].p_detect;
   const double seen = look.cost.dot(point.p) + look.cost_noise + discount_ * value_.value(look.successor);
   return p_d * seen + (1.0 - p_d) * idle + price * arm_.dwell;
@@ -231,7 +143,7 @@ double PricedArm::action_cost(const Point& point, int sensor, double idle, doubl
 bool PricedArm::choose(std::size_t k, double price) {
   const bool was_active = nodes_[k].active;
   const int before = nodes_[k].sensor;
-  const double idle = scan_cost_.dot(points_[k].p) + discount_ * value_.value(points_[k].idle_successor);
+  const double idle = points_.scan_cost().dot(points_[k].p) + discount_ * value_.value(points_[k].idle_successor);
   double least = idle;
   double kept = idle;
   int best = -1;
@@ -264,10 +176,9 @@ bool PricedArm::choose(std::size_t k, double price) {
 
 /// All points but the seeds are forgotten; what is one point from now on.
 void PricedArm::restart(double same_point) {
-  same_point_ = same_point;
   std::vector<Packed> starts;
   for (const int k : seeds_) starts.push_back(points_[static_cast<std::size_t>(k)].p);
-  points_.clear();
+  points_.restart(same_point);
   nodes_.clear();
   for (std::size_t i = 0; i < starts.size(); ++i) seeds_[i] = find_or_add(starts[i]);
 }
@@ -301,7 +212,6 @@ void PricedArm::keep_only(const std::vector<char>& reached) {
     if (reached[k] == 0) continue;
     const auto to = static_cast<std::size_t>(count);
     if (to != k) {
-      points_[to] = std::move(points_[k]);
       nodes_[to] = nodes_[k];
       weights_.col(count) = weights_.col(static_cast<Eigen::Index>(k));
       cost_[count] = cost_[static_cast<Eigen::Index>(k)];
@@ -309,7 +219,7 @@ void PricedArm::keep_only(const std::vector<char>& reached) {
     }
     place[k] = count++;
   }
-  points_.resize(static_cast<std::size_t>(count));
+  points_.keep_only(reached);
   nodes_.resize(static_cast<std::size_t>(count));
   for (Node& node : nodes_) {
     node.detected = place[static_cast<std::size_t>(node.detected)];
@@ -322,63 +232,16 @@ void PricedArm::keep_only(const std::vector<char>& reached) {
 Packed PricedArm::backed_up_weight(std::size_t k) const {
   const Node& node = nodes_[k];
   if (node.sensor < 0) {
-    const Pause& pause = pause_of(k);
+    const PlanPoints::Pause& pause = points_.pause(k);
     return pause.cost + pause.discount * (pause.after.transpose() * weights_.col(node.missed));
   }
   const double p_d = p_detect(node);
-  Packed l = Packed::Zero(q_.size());
-  if (p_d < 1.0) l = (1.0 - p_d) * (scan_cost_ + discount_ * (idle_map_.transpose() * weights_.col(node.missed)));
-  const LookMap& look = look_of(k);
+  Packed l = Packed::Zero(points_.noise().size());
+  if (p_d < 1.0)
+    l = (1.0 - p_d) * (points_.scan_cost() + discount_ * (points_.idle_map().transpose() * weights_.col(node.missed)));
+  const PlanPoints::LookMap& look = look_of(k);
   l += p_d * (look.cost + discount_ * (look.after.transpose() * weights_.col(node.detected)));
   return l;
-}
-
-/// The strongly connected components of the controller's graph, what they lead to first; `ends` are their ends in
-/// `order`. Within one, what was found last comes first. Source: Tarjan (1972), SIAM J. Comput. 1(2).
-void PricedArm::find_components(std::vector<std::size_t>& order, std::vector<std::size_t>& ends) const {
-  constexpr int kUnseen = 0, kDone = std::numeric_limits<int>::max();
-  std::vector<int> lowest(nodes_.size(), kUnseen);  // of the nodes on the stack that it leads to
-  std::vector<int> found(nodes_.size(), kUnseen);
-  std::vector<std::size_t> stack;
-  struct Visit {
-    std::size_t node;
-    int next;  // of its two successors
-  };
-  std::vector<Visit> open;
-  int count = 0;
-  const auto enter = [&](std::size_t k) {
-    lowest[k] = found[k] = ++count;
-    stack.push_back(k);
-    open.push_back({k, 0});
-  };
-  for (std::size_t start = 0; start < nodes_.size(); ++start) {
-    if (!nodes_[start].active || found[start] != kUnseen) continue;
-    enter(start);
-    while (!open.empty()) {
-      Visit& visit = open.back();
-      const std::size_t k = visit.node;
-      if (visit.next < 2) {
-        const auto to = static_cast<std::size_t>(visit.next++ == 0 ? nodes_[k].detected : nodes_[k].missed);
-        if (found[to] == kUnseen) {
-          enter(to);
-        } else {
-          lowest[k] = std::min(lowest[k], lowest[to]);
-        }
-        continue;
-      }
-      open.pop_back();
-      if (!open.empty()) lowest[open.back().node] = std::min(lowest[open.back().node], lowest[k]);
-      if (lowest[k] != found[k]) continue;
-      std::size_t member;
-      do {
-        member = stack.back();
-        stack.pop_back();
-        lowest[member] = kDone;
-        order.push_back(member);
-      } while (member != k);
-      ends.push_back(order.size());
-    }
-  }
 }
 
 /// All L of the controller, to rounding, component by component. A loop of plans that never looks at an unstable arm
@@ -386,12 +249,15 @@ void PricedArm::find_components(std::vector<std::size_t>& order, std::vector<std
 bool PricedArm::solve_weights() {
   constexpr double kConverged = 1e-9;
   constexpr double kEndless = 1e100;
-  std::vector<std::size_t> order, ends;
-  find_components(order, ends);
-  kept_.assign(nodes_.size(), 1);  // of those that are not active nothing is asked, until the end
+  std::vector<std::array<std::size_t, 2>> successors;
+  for (const Node& node : nodes_) {
+    successors.push_back({static_cast<std::size_t>(node.detected), static_cast<std::size_t>(node.missed)});
+  }
+  const Components components = strongly_connected(successors);
+  kept_.assign(nodes_.size(), 1);
   std::size_t first = 0;
-  for (const std::size_t end : ends) {
-    const std::span<const std::size_t> component(order.data() + first, end - first);
+  for (const std::size_t end : components.ends) {
+    const std::span<const std::size_t> component(components.order.data() + first, end - first);
     first = end;
     bool finite = std::all_of(component.begin(), component.end(), [&](std::size_t k) {
       return kept_[static_cast<std::size_t>(nodes_[k].detected)] != 0 &&
@@ -414,7 +280,6 @@ bool PricedArm::solve_weights() {
     }
     for (const std::size_t k : component) kept_[k] = finite && change < kConverged ? 1 : 0;
   }
-  for (std::size_t k = 0; k < nodes_.size(); ++k) kept_[k] = kept_[k] != 0 && nodes_[k].active ? 1 : 0;
   return std::find(kept_.begin(), kept_.end(), 1) != kept_.end();
 }
 
@@ -426,13 +291,13 @@ void PricedArm::immediate() {
     const Node& node = nodes_[static_cast<std::size_t>(k)];
     if (kept_[static_cast<std::size_t>(k)] == 0) continue;
     if (node.sensor < 0) {
-      const Pause& pause = pause_of(static_cast<std::size_t>(k));
+      const PlanPoints::Pause& pause = points_.pause(static_cast<std::size_t>(k));
       cost_now_[k] = pause.cost_noise + pause.discount * weights_.col(node.missed).dot(pause.noise);
       continue;
     }
     const double p_d = p_detect(node);
-    if (p_d < 1.0) cost_now_[k] += (1.0 - p_d) * discount_ * weights_.col(node.missed).dot(q_);
-    const LookMap& look = look_of(static_cast<std::size_t>(k));
+    if (p_d < 1.0) cost_now_[k] += (1.0 - p_d) * discount_ * weights_.col(node.missed).dot(points_.noise());
+    const PlanPoints::LookMap& look = look_of(static_cast<std::size_t>(k));
     cost_now_[k] += p_d * (look.cost_noise + discount_ * weights_.col(node.detected).dot(look.after_noise));
     work_now_[k] = arm_.dwell;
   }
@@ -440,7 +305,7 @@ void PricedArm::immediate() {
 
 bool PricedArm::deterministic() const {
   return std::all_of(nodes_.begin(), nodes_.end(),
-                     [&](const Node& node) { return !node.active || node.sensor < 0 || p_detect(node) == 1.0; });
+                     [&](const Node& node) { return node.sensor < 0 || p_detect(node) == 1.0; });
 }
 
 /// Whether a plan has a finite cost.
@@ -609,15 +474,15 @@ PricedValue PricedArm::improve(double price) {
   PricedValue value;
   int stalled = 0;
   for (int improvement = 0; improvement < settings_.improvements && stalled < kMostStalled; ++improvement) {
-    same_point_ = std::max(finest_, 0.5 * same_point_);
+    points_.set_same_point(std::max(finest_, 0.5 * points_.same_point()));
     std::size_t changed = follow(price);
     full_ = too_many_;
     if (full_) {  // those of the policy before count as well
-      restart(same_point_);
+      restart(points_.same_point());
       changed = follow(price);
     }
-    while (too_many_ && same_point_ < kCoarsest) {
-      restart(std::min(2.0 * same_point_, kCoarsest));
+    while (too_many_ && points_.same_point() < kCoarsest) {
+      restart(std::min(2.0 * points_.same_point(), kCoarsest));
       changed = follow(price);
     }
     if (evaluate(price)) {

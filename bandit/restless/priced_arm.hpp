@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "bandit/restless/plan_points.hpp"
 #include "bandit/restless/value_set.hpp"
 
 namespace dwell::restless {
@@ -65,56 +66,27 @@ class PricedArm {
   const Arm& arm() const { return arm_; }
 
  private:
-  /// What a look with one sensor does at one point, in packed form.
-  struct LookMap {
-    PackedMap after;     // P -> (F A) P (F A)'
-    Packed after_noise;  // F K R K' F' + Q
-    Packed cost;         // of the scan, weight form
-    double cost_noise;
-    Packed successor;  // predicted covariance after a detection
-  };
-  /// What n scans without a look do.
-  struct Pause {
-    double scans;       // n
-    double discount;    // b^n
-    PackedMap after;    // P -> F^n P F^n'
-    Packed noise;       // covariance that n scans make of 0
-    Packed cost;        // of the scans, weight form
-    double cost_noise;  // of what the noise adds
-  };
-  struct Point {
-    Packed p;
-    Packed idle_successor;   // after one scan
-    int pause;               // of an idle node here: index into pauses_
-    Packed pause_successor;  // after it
-    std::vector<LookMap> looks;
-  };
   struct Node {
-    bool active = false;
-    int sensor = -1;  // -1 idle, for the point's pause
+    bool active = false;  // has an action: all have, but while they are followed
+    int sensor = -1;      // -1 idle, for the point's pause
     int detected = 0;
     int missed = 0;
   };
 
   double p_detect(const Node& node) const;
-  const LookMap& look_of(std::size_t k) const;
-  Packed tolerance(const Packed& p, double relative) const;
-  int find(const Packed& p) const;
-  void place_pause(Point& point);
-  const Pause& pause_of(std::size_t k) const;
+  const PlanPoints::LookMap& look_of(std::size_t k) const;
   double scans(std::size_t k) const;
   double next_discount(std::size_t k) const;
   int find_or_add(const Packed& p);
   int node_at(const Packed& p);
   void restart(double same_point);
   void seed();
-  double action_cost(const Point& point, int sensor, double idle, double price) const;
+  double action_cost(const PlanPoints::Point& point, int sensor, double idle, double price) const;
   bool choose(std::size_t k, double price);
   std::size_t follow(double price);
   void keep_only(const std::vector<char>& reached);
   bool evaluate(double price);
   Packed backed_up_weight(std::size_t k) const;
-  void find_components(std::vector<std::size_t>& order, std::vector<std::size_t>& ends) const;
   bool solve_weights();
   void immediate();
   bool deterministic() const;
@@ -127,17 +99,12 @@ class PricedArm {
   Arm arm_;
   double discount_;
   PricedArmSettings settings_;
-  double same_point_;   // of the present policy
-  double finest_;       // where its points are not too many
-  int most_sweeps_;     // of the weights
-  PackedMap idle_map_;  // P -> F P F'
-  Packed q_;
-  Packed scan_cost_;           // w C in weight form
-  std::vector<Pause> pauses_;  // of 1, 2, 4, .. scans
+  PlanPoints points_;
+  double finest_;    // same_point where the points are not too many
+  int most_sweeps_;  // of the weights
   std::vector<int> seeds_;
-  bool too_many_ = false;  // points were asked for
-  bool full_ = false;      // so it was in the last improvement
-  std::vector<Point> points_;
+  bool too_many_ = false;                // points were asked for
+  bool full_ = false;                    // so it was in the last improvement
   std::vector<Node> nodes_;              // one a point
   Eigen::MatrixXd weights_;              // m x points
   Eigen::VectorXd cost_, work_;          // c = cost + price work
