@@ -2,8 +2,11 @@
 // back while it runs: with the looks that exploration owes, and without.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
+#include <ostream>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -21,6 +24,8 @@ struct WrongFigure {
   double true_detection;
   double believed_noise;  ///< factor on the true floors
   bool starves;           ///< so that without exploration hardly anything is learned
+
+  friend std::ostream& operator<<(std::ostream& out, const WrongFigure& wrong) { return out << wrong.name; }
 };
 
 /// What is configured is believed; the truth is .9 or .4 and the scenario's noise.
@@ -42,32 +47,48 @@ EngineConfig believing(const WrongFigure& wrong) {
 using FirstScans = std::vector<std::uint64_t>;
 
 struct Outcome {
-  /// Mean distance of the living tracks from their targets; its square has tails that outweigh all else.
+  /// Median over the tracks of their mean distance from their targets. Not the mean: alpha and bravo cross at 300 s,
+  /// and nearest neighbours now and then swap them there, in one run of a hundred for good and then 30 km apart. That
+  /// adds 70 m to the mean of 300 tracks whatever is believed of the radars.
   double error_m = 0.0;
+  double mean_error_m = 0.0;
   double share = 0.0;  ///< of the looks that the radar got
-  std::uint64_t lost = 0;
+  int astray = 0;      ///< tracks that were lost, or 1 km off in a scan that counts
 };
 
 /// Over the scans that count, up to 600; a run for each.
 Outcome measure(EngineConfig config, const FirstScans& first) {
+  constexpr double kAstrayM = 1000.0;
   double scans = 0.0;
-  double tracks = 0.0;
   Outcome outcome;
+  std::vector<double> errors_m;  // by track
   for (std::size_t run = 0; run < first.size(); ++run) {
     config.seed = run + 1;
+    std::array<double, 3> sum_m{}, count{};
+    std::array<bool, 3> astray{};
     run_calibrated(config, 600, [&](const Engine& engine) {
-      if (engine.last().scan == 600) outcome.lost += engine.counts().tracks_lost;
       if (engine.last().scan < first[run]) return;
-      for (const auto& squared : squared_errors(engine)) {
-        if (!squared) continue;
-        outcome.error_m += std::sqrt(*squared);
-        tracks += 1.0;
+      const auto squared = squared_errors(engine);
+      for (std::size_t track = 0; track < squared.size(); ++track) {
+        const double error_m = squared[track] ? std::sqrt(*squared[track]) : 0.0;
+        sum_m[track] += error_m;
+        count[track] += squared[track] ? 1.0 : 0.0;
+        astray[track] = astray[track] || !squared[track] || error_m > kAstrayM;
       }
       outcome.share += engine.last().looks.front().dwell.radar.number == kBest + 1;
       scans += 1.0;
     });
+    for (std::size_t track = 0; track < sum_m.size(); ++track) {
+      if (count[track] > 0.0) errors_m.push_back(sum_m[track] / count[track]);
+      outcome.astray += astray[track];
+    }
   }
-  return {outcome.error_m / tracks, outcome.share / scans, outcome.lost};
+  for (const double error_m : errors_m) outcome.mean_error_m += error_m / static_cast<double>(errors_m.size());
+  const auto middle = errors_m.begin() + std::ssize(errors_m) / 2;
+  std::nth_element(errors_m.begin(), middle, errors_m.end());
+  outcome.error_m = *middle;
+  outcome.share /= scans;
+  return outcome;
 }
 
 /// The scans after the radar's 15th look.
@@ -84,8 +105,13 @@ FirstScans after_fifteen_looks(EngineConfig config, int runs) {
 }
 
 void print(const char* name, const Outcome& outcome) {
-  std::printf("  %-20s error %6.1f m, share of looks %.3f, %d tracks lost\n", name, outcome.error_m, outcome.share,
-              static_cast<int>(outcome.lost));
+  std::printf("  %-20s error %6.1f m (mean %.1f), share of looks %.3f, %d tracks astray\n", name, outcome.error_m,
+              outcome.mean_error_m, outcome.share, outcome.astray);
+}
+
+/// Counts of rare events: the difference of equal means, by three standard deviations.
+void expect_no_more_astray(const Outcome& learned, const Outcome& known) {
+  EXPECT_LE(learned.astray - known.astray, 3.0 * std::sqrt(learned.astray + known.astray));
 }
 
 TEST(LearnedDetection, AnOptimisticFigureCostsNothingAfterFifteenLooks) {
@@ -103,13 +129,14 @@ TEST(LearnedDetection, AnOptimisticFigureCostsNothingAfterFifteenLooks) {
   print("wrong", measure(believes, first));
   print("learned", learned);
   EXPECT_LE(learned.error_m, 1.1 * known.error_m);
+  expect_no_more_astray(learned, known);
 }
 
 class StarvedRadar : public ::testing::TestWithParam<WrongFigure> {};
 
 TEST_P(StarvedRadar, ComesBackByExploration) {
   const WrongFigure& wrong = GetParam();
-  const FirstScans first(static_cast<std::size_t>(soaked(100, wrong.believed_noise == 1.0 ? 20 : 5)), 301);
+  const FirstScans first(static_cast<std::size_t>(soaked(100, wrong.believed_noise == 1.0 ? 20 : 10)), 301);
   EngineConfig believes = believing(wrong);
   believes.calibration.mode = CalibrationMode::kObserve;
   const EngineConfig knows = believing({"known", wrong.true_detection, wrong.true_detection, 1.0, false});
@@ -131,6 +158,7 @@ TEST_P(StarvedRadar, ComesBackByExploration) {
   print("without exploration", starved);
   EXPECT_GT(loss, 0.0);
   EXPECT_GE(recovered, 0.8);
+  expect_no_more_astray(learned, known);
   if (wrong.starves) {
     EXPECT_LT(unlearned.error_m - starved.error_m, 0.2 * loss);
   }
