@@ -1,8 +1,8 @@
 #include "daemon/calibration_loop.hpp"
 
 #include <array>
+#include <atomic>
 #include <regex>
-#include <thread>
 
 #include "tests/daemon/support.hpp"
 
@@ -166,11 +166,12 @@ TEST(Calibration, AnOutcomeThatIsLateIsGivenUpAndJournalled) {
   EXPECT_TRUE(read_journal(directory / "journal").late.calibrations.contains(51));
 }
 
-/// A solver that never ends: every scan is made, the old values stay, the reason is given. Nothing here waits but the
-/// solver, for the end of the test.
+/// A solver that never ends while there are scans: every scan is made, the old values stay, the reason is given.
 TEST(Calibration, ASolverThatHangsDelaysNoScanAndChangesNothing) {
   const DaemonConfig config = config_of(kWrong + "calibration { mode: APPLY period_scans: 40 delay_scans: 5 }");
+  std::atomic<bool> scanned = false;
   const auto decisions = [&](const CalibrationLoop::Solve& solver, bool asks) {
+    scanned = false;
     Engine engine(config.engine);
     CalibrationLoop loop(engine, solver);
     loop.set_waits(false);
@@ -189,12 +190,13 @@ TEST(Calibration, ASolverThatHangsDelaysNoScanAndChangesNothing) {
     for (std::size_t i = 0; i < 3; ++i) {
       EXPECT_EQ(to_vector(engine.calibrator().radar(i)->applied), CorrectionVector::Zero());
     }
+    scanned = true;
+    scanned.notify_all();
     return chosen;
   };
-  // It ends when the loop that gave it up is gone: asked to stop, it still takes its time.
-  const auto hangs = [](const CalibrationTask& /*task*/, const EstimatorSettings& settings) {
-    while (!settings.stop()) std::this_thread::yield();
-    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  // Asked to stop it does not: it ends after the last scan, before the loop is gone.
+  const auto hangs = [&](const CalibrationTask& /*task*/, const EstimatorSettings& /*settings*/) {
+    scanned.wait(false);
     return CalibrationOutcome();
   };
   EXPECT_EQ(decisions(hangs, true), decisions(solve, false));

@@ -2,9 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include <chrono>
 #include <system_error>
-#include <thread>
 
 #include "bandit/value_table.hpp"
 #include "tests/daemon/support.hpp"
@@ -193,29 +191,23 @@ TEST_F(JournalTest, ReplayPublishesTheSameBytes) {
   EXPECT_FALSE(again.stream.bytes.empty());
 }
 
-/// Value sets that a thread builds beside the scans, some of them too late: the journal says which.
+/// Value sets that are built beside the scans, some of them too late: the journal says which.
 TEST_F(JournalTest, ReplayRepeatsWhichValueSetsWereLate) {
   DaemonConfig config = config_of(kBusy);
   config.engine.policy = IndexSettings{};
   config.engine.value_table = std::make_shared<ValueTable>(ValueTable::OnDue::kGoOn);
   JournalWriter writer(file_, header());
   RecordedRun recorded(config, &writer);
-  recorded.scan(15);  // nobody builds
-  std::thread builder([&] {
-    while (config.engine.value_table->build_next()) {
-    }
-  });
+  recorded.scan(15);  // nothing is built
   bool answered = false;
   for (int scan = 0; scan < 1000 && !answered; ++scan) {
     recorded.scan(1);
     answered = recorded.run.engine().last().decision.relaxed.has_value();
-    while (config.engine.value_table->waiting() > 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    while (config.engine.value_table->waiting() > 0) config.engine.value_table->build_next();
   }
   EXPECT_TRUE(answered);
   recorded.scan(50);
   recorded.run.publish_end("done");
-  config.engine.value_table->stop();
-  builder.join();
 
   const Journal journal = read_journal(file_);
   EXPECT_GE(journal.late.value_sets.size(), 2U);
