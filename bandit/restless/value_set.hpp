@@ -30,8 +30,8 @@ class ValueSet {
 
  private:
   Eigen::MatrixXd weights_;  // m x K
-  Eigen::MatrixXd by_plan_;  // K x m, for the minimum over plans
   Eigen::VectorXd constants_;
+  std::vector<double> blocks_;  // of 16 plans: their constants, then component by component of their weights
 };
 
 /// What one scan and the value afterwards cost at predicted covariance P, discount b:
