@@ -37,10 +37,10 @@ ImmEstimate merged(std::span<const TrackComponent> components);
 /// the target that manoeuvres: its next plot lies on from the one that was right, and of a mixture that is merged at
 /// once the covariance takes in the false ones, its gate their successors.
 ///
-/// kScansBack = 2: of 200 targets in a 3 g turn with .3 false plots in the gate of steady cruise PDA loses 169, one
-/// look back 28, two 20, three 22, at 5, 8 and 12 components a look (tests/scenarios/soak_clutter_test.cpp). Requires a
-/// bank without trailing states. Cost that of PDA for each component; allocates. Source   Musicki, La Scala, Evans
-/// (2007), IEEE T-AES 43(4); the merging: Singer, Sea, Housewright (1974), IEEE T-IT
+/// kScansBack = 2: in a 3 g turn in clutter one look back loses a third more targets, three no fewer with half as many
+/// components again (tests/scenarios/soak_clutter_test.cpp has the figures of two).
+/// Requires a bank without trailing states. Cost that of PDA for each component; allocates.
+/// Source   Musicki, La Scala, Evans (2007), IEEE T-AES 43(4); the merging: Singer, Sea, Housewright (1974), IEEE T-IT
 ///          20(4), N-scan filters.
 class TrackSplitting {
  public:
