@@ -104,6 +104,15 @@ void AssociationEvents::update(std::span<const double> factor, ImmEstimate& esti
   }
 }
 
+void AssociationEvents::condition(std::optional<std::size_t> i, ImmEstimate& estimate) const {
+  DWELL_ASSERT(estimate.modes.size() == modes_);
+  for (std::size_t j = 0; j < modes_; ++j) {
+    const double weight = i ? weights_[*i * modes_ + j] / sums_[*i] : none_of_mode_[j] / none_;
+    estimate.probability[static_cast<Eigen::Index>(j)] = weight;
+    if (i) estimate.modes[j] = kalman_update(estimate.modes[j], measurements_[j], innovations_[*i * modes_ + j]);
+  }
+}
+
 void AssociationEvents::update_mode(std::size_t mode, double total, std::span<const double> factor,
                                     Gaussian& belief) const {
   if (size() == 0) return;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -61,6 +62,14 @@ class AssociationEvents {
   /// P^c the covariance after a certain plot, in Joseph's form. The mean and covariance of the mixture of all events,
   /// exactly, mode by mode.
   void update(std::span<const double> factor, ImmEstimate& estimate) const;
+
+  /// Updates the predicted estimate by one event alone: plot i is the target's, or none is.
+  ///
+  ///   mu_j    proportional to w_ij, or w_0j
+  ///   x_j, P_j   after a certain plot i, or as they are
+  ///
+  /// Requires sum(i) > 0, or none() > 0.
+  void condition(std::optional<std::size_t> i, ImmEstimate& estimate) const;
 
  private:
   void update_mode(std::size_t mode, double total, std::span<const double> factor, Gaussian& belief) const;

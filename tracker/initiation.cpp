@@ -5,6 +5,8 @@
 #include <limits>
 #include <numbers>
 
+#include "tracker/two_point.hpp"
+
 namespace dwell {
 namespace {
 
@@ -160,23 +162,17 @@ double TrackInitiation::existence_of_pair(const ExistenceSettings& existence, co
   return std::min(kLikeliest, right / (right + wrong));
 }
 
-/// Two-point differencing: x = p2, v = (p2 - p1) / T; covariance [R2, R2 / T; ., (R1 + R2) / T^2].
 std::optional<Track> TrackInitiation::pair(const Tracker& tracker, const Sensor& sensor, const Plot& first,
                                            const Plot& second) const {
   const std::optional<Vector2> from = sensor.position_of(first.z);
   const std::optional<Vector2> to = sensor.position_of(second.z);
   if (!from || !to) return std::nullopt;
   const Vector2 step = *to - *from;
-  Gaussian belief;
-  belief.mean = make_state(*to, step / interval_s_);
   const Matrix2 r1 = position_noise(sensor, make_state(*from, Vector2::Zero()));
-  const Matrix2 r2 = position_noise(sensor, belief.mean);
+  const Matrix2 r2 = position_noise(sensor, make_state(*to, Vector2::Zero()));
   const double noise = std::sqrt((r1 + r2).trace());
   if (step.norm() > settings_.largest_speed_mps * interval_s_ + 3.0 * noise) return std::nullopt;
-  belief.covariance({kX, kY}, {kX, kY}) = r2;
-  belief.covariance({kX, kY}, {kVx, kVy}) = r2 / interval_s_;
-  belief.covariance({kVx, kVy}, {kX, kY}) = r2 / interval_s_;
-  belief.covariance({kVx, kVy}, {kVx, kVy}) = (r1 + r2) / (interval_s_ * interval_s_);
+  const Gaussian belief = two_point(*from, r1, *to, r2, interval_s_);
   Track track = tracker.start(TrackId{}, "", belief);
   track.tentative = true;
   if (track.existence) track.existence = existence_of_pair(tracker.settings().existence, sensor, belief.mean);

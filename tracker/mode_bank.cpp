@@ -84,7 +84,7 @@ void discretise_seen(const TrailingMotion& motion, DiscreteBank& discrete) {
   const Eigen::Matrix<double, kStateSize, 2> spreads = moved.f.topRightCorner<kStateSize, 2>();
   discrete.f.push_back(moved.f.topLeftCorner<kStateSize, kStateSize>());
   discrete.q.push_back(symmetric_part(moved.q.topLeftCorner<kStateSize, kStateSize>() +
-                                      spreads * start_covariance(motion) * spreads.transpose()));
+                                      spreads * start_sigma(motion).cwiseAbs2().asDiagonal() * spreads.transpose()));
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include <Eigen/Eigenvalues>
+
 #include "radar/assert.hpp"
 #include "tracker/gaussian.hpp"
 
@@ -44,6 +46,11 @@ double step_of(const DiagonalNoise& noise) { return noise.step_s; }
 
 StateMatrix process_noise(const Motion& motion, const ProcessNoise& noise, double dt_s) {
   return std::visit(Accumulate{motion, dt_s}, noise);
+}
+
+StateMatrix noise_root(const StateMatrix& q) {
+  const Eigen::SelfAdjointEigenSolver<StateMatrix> solver(q);
+  return solver.eigenvectors() * solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
 }
 
 bool divides(const ProcessNoise& noise, double dt_s) {

@@ -34,6 +34,9 @@ using ProcessNoise = std::variant<NoProcessNoise, WhiteNoiseAcceleration, Piecew
 /// Requires dt to be a whole number of steps where the noise has steps (see `divides`).
 StateMatrix process_noise(const Motion& motion, const ProcessNoise& noise, double dt_s);
 
+/// L with L L' = Q, of a positive semidefinite Q: what a draw of the noise is made with.
+StateMatrix noise_root(const StateMatrix& q);
+
 /// Whether dt is a whole number of the noise's steps, to 1e-9 of a step; true for noise without steps.
 bool divides(const ProcessNoise& noise, double dt_s);
 

@@ -2,10 +2,12 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "radar/ids.hpp"
 #include "radar/time.hpp"
 #include "tracker/particle/particle_filter.hpp"
+#include "tracker/track_splitting.hpp"
 
 namespace dwell {
 
@@ -23,6 +25,13 @@ enum class LossCause {
   kNumerics,   ///< the filter's numbers failed, and there was no belief to begin anew from
 };
 
+/// A plot outside the gate, as a position.
+struct Outlier {
+  TimePoint time;
+  Vector2 place;
+  Matrix2 noise;  ///< its covariance
+};
+
 /// Belief about one target.
 struct Track {
   TrackId id;
@@ -30,6 +39,7 @@ struct Track {
   double weight = 1.0;                      ///< multiplies its cost in every policy
   ImmEstimate estimate;                     ///< at the last scan: predicted, and updated where a look gave a plot
   std::optional<ParticleFilter> particles;  ///< what `estimate` is of, where that is no IMM
+  std::vector<TrackComponent> components;   ///< what `estimate` is the mixture of, where a look in clutter split it
   Gaussian combined;                        ///< moment-matched estimate
   TrackStatus status = TrackStatus::kConfirmed;
   std::optional<LossCause> loss;
@@ -39,6 +49,7 @@ struct Track {
   RadarId last_radar;                 ///< meaningful with last_look
   std::optional<double> nis;          ///< of the last plot used, 2 degrees of freedom
   int rejections = 0;                 ///< consecutive looks whose plots were all outside the gate
+  std::optional<Outlier> outlier;     ///< of the last of them, the nearest to the track
   double log_miss_probability = 0.0;  ///< of the present run of looks without a plot in the gate
   bool restarted = false;             ///< its numbers failed since the last plot used
   bool tentative = false;             ///< begun by plots and not yet believed: track initiation judges it

@@ -8,6 +8,7 @@
 
 #include "radar/assert.hpp"
 #include "tracker/footprint.hpp"
+#include "tracker/two_point.hpp"
 
 namespace dwell {
 namespace {
@@ -61,6 +62,7 @@ Track Tracker::start(TrackId id, std::string name, const Gaussian& belief) const
 void Tracker::begin(Track& track, const Gaussian& belief) const {
   track.estimate = make_estimate(belief, initial_probability_);
   track.combined = belief;
+  track.components.clear();
   if (!settings_.particles) return;
   track.particles.emplace(make_particles(*settings_.particles, bank_, belief, initial_probability_,
                                          particle_stream_.fork(track.id.number).fork(track.age_scans)));
@@ -104,12 +106,17 @@ Numerics Tracker::advance(Track& track) {
   if (track.particles) {
     std::visit([](auto& filter) { filter.predict(); }, *track.particles);
     scratch_ = estimate_of(*track.particles);
+  } else if (!track.components.empty()) {
+    const Numerics moved = dwell::predict(bank_, track.components, components_);
+    if (moved != Numerics::kOk) return moved;
+    scratch_ = merged(components_);
   } else if (const Numerics moved = dwell::predict(bank_, track.estimate, scratch_); moved != Numerics::kOk) {
     return moved;
   }
   const Gaussian combined = combine(scratch_);
   if (!is_finite(combined)) return Numerics::kNotFinite;
   std::swap(track.estimate, scratch_);
+  if (!track.components.empty()) std::swap(track.components, components_);
   track.combined = combined;
   return Numerics::kOk;
 }
@@ -123,7 +130,8 @@ LookOutcome Tracker::look(Track& track, const Sensor& sensor, const Dwell& dwell
   if (settings_.association != Association::kNearest && look_at_all(track, sensor, dwell, plots, others, outcome)) {
     return outcome;
   }
-  return look_at_nearest(track, sensor, plots);
+  track.components.clear();  // without clutter there is one account of the plots
+  return look_at_nearest(track, sensor, plots, others);
 }
 
 LookOutcome Tracker::survey(Track& track, const Sensor& sensor, const Dwell& dwell, std::span<const Plot> plots) {
@@ -149,6 +157,10 @@ bool Tracker::look_at_all(Track& track, const Sensor& sensor, const Dwell& dwell
   const bool pruned = settings_.association == Association::kJpdaStar;
   if (sensor.clutter_density() <= 0.0 && !joint) return false;
   const State pointing = dwell.pointing;
+  if (settings_.association == Association::kIts) {
+    split(track, sensor, pointing, plots, outcome);
+    return true;
+  }
   if (events_.list(sensor, settings_.update, settings_.gate, track.estimate, pointing, plots) != Numerics::kOk) {
     fail(track);
     return true;
@@ -170,11 +182,36 @@ bool Tracker::look_at_all(Track& track, const Sensor& sensor, const Dwell& dwell
   const double likelihood_ratio = events_.likelihood_ratio(factor_);
   const double detection = std::min(sensor.detection_probability(track.combined.mean), kLargestBelievedDetection);
   events_.update(factor_, track.estimate);
+  conclude(track, outcome, detection, likelihood_ratio);
+  return true;
+}
+
+/// Every component of the track by every event.
+void Tracker::split(Track& track, const Sensor& sensor, const State& pointing, std::span<const Plot> plots,
+                    LookOutcome& outcome) {
+  if (track.components.empty()) track.components.push_back({.estimate = track.estimate});
+  const double detection = std::min(sensor.detection_probability(track.combined.mean), kLargestBelievedDetection);
+  TrackSplitting::Outcome split;
+  if (splitting_.look(sensor, settings_.update, settings_.gate, pointing, plots, track.components, split) !=
+          Numerics::kOk ||
+      predict_measurements(sensor, settings_.update, track.estimate, measurements_) != Numerics::kOk) {
+    return fail(track);
+  }
+  outcome.used_plot = split.likeliest;
+  if (outcome.used_plot) {
+    (void)gated_innovations(track, sensor, plots[*outcome.used_plot]);
+    track.nis = mixture_squared_distance(measurements_, track.estimate.probability, innovations_);
+  }
+  track.estimate = merged(track.components);
+  conclude(track, outcome, detection, split.likelihood_ratio);
+}
+
+/// What a look at all plots leaves to be said of the updated track.
+void Tracker::conclude(Track& track, LookOutcome& outcome, double detection, double likelihood_ratio) {
   const Gaussian combined = combine(track.estimate);
   if (!is_finite(combined)) {
-    fail(track);
     outcome = {};
-    return true;
+    return fail(track);
   }
   track.combined = combined;
   track.rejections = 0;
@@ -186,10 +223,10 @@ bool Tracker::look_at_all(Track& track, const Sensor& sensor, const Dwell& dwell
     count_miss(track, detection);
   }
   judge_existence(track, likelihood_ratio);
-  return true;
 }
 
-LookOutcome Tracker::look_at_nearest(Track& track, const Sensor& sensor, std::span<const Plot> plots) {
+LookOutcome Tracker::look_at_nearest(Track& track, const Sensor& sensor, std::span<const Plot> plots,
+                                     std::span<const Track> others) {
   LookOutcome outcome;
   if (predict_measurements(sensor, settings_.update, track.estimate, measurements_) != Numerics::kOk) {
     fail(track);
@@ -209,6 +246,7 @@ LookOutcome Tracker::look_at_nearest(Track& track, const Sensor& sensor, std::sp
   }
   if (!outcome.used_plot) {
     miss(track, sensor, had_plots);
+    reacquire(track, sensor, plots, others);
     return outcome;
   }
   const double nis = mixture_squared_distance(measurements_, track.estimate.probability, best_innovations_);
@@ -223,6 +261,7 @@ LookOutcome Tracker::look_at_nearest(Track& track, const Sensor& sensor, std::sp
   track.status = TrackStatus::kConfirmed;
   track.restarted = false;
   track.rejections = 0;
+  track.outlier.reset();
   track.log_miss_probability = 0.0;
   if (track.existence) track.existence = 1.0;  // without clutter a plot is proof
   return outcome;
@@ -284,6 +323,43 @@ void Tracker::miss(Track& track, const Sensor& sensor, bool had_plots) {
   }
   count_miss(track, detection);
   judge_existence(track, unseen);
+}
+
+/// Keeps the rejected plot that is nearest to the track. With that of the look before, and after so many looks that all
+/// were misses is not to be believed, it is where the track begins anew: still coasting, until a plot confirms it.
+void Tracker::reacquire(Track& track, const Sensor& sensor, std::span<const Plot> plots,
+                        std::span<const Track> others) {
+  const std::optional<Outlier> before = std::exchange(track.outlier, std::nullopt);
+  double nearest = std::numeric_limits<double>::infinity();
+  std::size_t which = 0;
+  for (std::size_t i = 0; i < plots.size(); ++i) {
+    const std::optional<Vector2> place = plots[i].z.allFinite() ? sensor.position_of(plots[i].z) : std::nullopt;
+    if (!place) continue;
+    const double distance = (*place - position(track.combined.mean)).norm();
+    if (!(distance < nearest)) continue;
+    nearest = distance;
+    which = i;
+    track.outlier = Outlier{plots[i].time, *place, position_noise(sensor, make_state(*place, Vector2::Zero()))};
+  }
+  const bool believed = track.log_miss_probability > std::log(settings_.reacquire_probability) + kLogRounding;
+  if (!track.alive() || !before || !track.outlier || believed || sensor.clutter_density() > 0.0) return;
+  const double interval_s = to_seconds(track.outlier->time - before->time);
+  if (!(interval_s > 0.0)) return;
+  const Gaussian pair = two_point(before->place, before->noise, track.outlier->place, track.outlier->noise, interval_s);
+  const auto agrees = [&](const Gaussian& mode) {
+    const Vector2 off = velocity(pair.mean) - velocity(mode.mean);
+    const Matrix2 spread = (pair.covariance + mode.covariance)({kVx, kVy}, {kVx, kVy});
+    return off.dot(spread.ldlt().solve(off)) < settings_.gate;
+  };
+  if (std::none_of(track.estimate.modes.begin(), track.estimate.modes.end(), agrees)) return;
+  const auto has_it = [&](const Track& other) {
+    char gated = 0;
+    if (other.id != track.id && other.alive()) mark_gated(other, sensor, plots.subspan(which, 1), {&gated, 1});
+    return gated != 0;
+  };
+  if (std::any_of(others.begin(), others.end(), has_it)) return;
+  begin(track, pair);
+  track.rejections = 0;
 }
 
 /// mu_j proportional to mu_j factor_j.

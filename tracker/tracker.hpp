@@ -10,6 +10,7 @@
 #include "tracker/measurement.hpp"
 #include "tracker/plot_cluster.hpp"
 #include "tracker/track.hpp"
+#include "tracker/track_splitting.hpp"
 
 namespace dwell {
 
@@ -21,6 +22,7 @@ enum class Association {
   kIpda,      ///< the same, with the probability that the target exists
   kJpda,      ///< as kIpda, and tracks whose gates share plots are given theirs jointly (JIPDA)
   kJpdaStar,  ///< as kJpda, of pruned joint events (JPDA*)
+  kIts,       ///< as kIpda, and what the plots of the last looks may have been is kept apart (track splitting)
 };
 
 struct TrackerSettings {
@@ -35,6 +37,11 @@ struct TrackerSettings {
   /// 1e-8: 8 looks at P_d = .9, one false loss in 1e8 / (looks per second) seconds of a healthy track. Not of tracks
   /// with a probability of existence, which decides.
   double lost_probability = 1e-8;
+  /// A track whose run of looks without a plot in the gate has this probability or less is begun anew from the last two
+  /// plots that were outside it, where these agree with the speed of one of its modes: it has jumped, or done what no
+  /// mode does. 1e-4: 4 looks at P_d = .9, half of the way to being lost. Of sensors without clutter: there every plot
+  /// is some target's.
+  double reacquire_probability = 1e-4;
   /// A track is lost when the root of its position variance, x and y, is above this: it says nothing any more, and a
   /// look would not find the target. 20 km: twice the half depth of a footprint. Infinite: never.
   double lost_sigma_m = 20e3;
@@ -43,7 +50,9 @@ struct TrackerSettings {
   std::optional<ParticleSettings> particles{};
 
   bool is_joint() const { return association == Association::kJpda || association == Association::kJpdaStar; }
-  bool has_existence() const { return association == Association::kIpda || is_joint(); }
+  bool has_existence() const {
+    return association == Association::kIpda || association == Association::kIts || is_joint();
+  }
 };
 
 /// What a look came to for its track.
@@ -87,7 +96,7 @@ class Tracker {
   void predict(Track& track);
 
   /// Associates the plots of the look made for this track and updates it. `others` are the tracks that may have plots
-  /// in it too (kJpda, kJpdaStar): predicted to the time of the look, the track itself may be among them. Plots that
+  /// in it too: predicted to the time of the look, the track itself may be among them. Plots that
   /// are not finite are passed over. Only this track is touched.
   LookOutcome look(Track& track, const Sensor& sensor, const Dwell& dwell, std::span<const Plot> plots,
                    std::span<const Track> others = {});
@@ -105,7 +114,12 @@ class Tracker {
   Numerics take(const Sensor& sensor, const Plot& plot, Track& track);
   bool look_at_all(Track& track, const Sensor& sensor, const Dwell& dwell, std::span<const Plot> plots,
                    std::span<const Track> others, LookOutcome& outcome);
-  LookOutcome look_at_nearest(Track& track, const Sensor& sensor, std::span<const Plot> plots);
+  void split(Track& track, const Sensor& sensor, const State& pointing, std::span<const Plot> plots,
+             LookOutcome& outcome);
+  void conclude(Track& track, LookOutcome& outcome, double detection, double likelihood_ratio);
+  LookOutcome look_at_nearest(Track& track, const Sensor& sensor, std::span<const Plot> plots,
+                              std::span<const Track> others);
+  void reacquire(Track& track, const Sensor& sensor, std::span<const Plot> plots, std::span<const Track> others);
   void count_miss(Track& track, double detection) const;
   void judge_existence(Track& track, double likelihood_ratio) const;
   bool gated_innovations(const Track& track, const Sensor& sensor, const Plot& plot);
@@ -124,6 +138,8 @@ class Tracker {
   std::vector<Vector2> best_innovations_;
   AssociationEvents events_;
   PlotCluster cluster_;
+  TrackSplitting splitting_;
+  std::vector<TrackComponent> components_;
   std::vector<double> factor_;
 };
 

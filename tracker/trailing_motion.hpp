@@ -11,7 +11,7 @@ namespace dwell {
 /// The catalogue of motions with trailing states, noise included. Each gives
 ///   kTrailing                  what these states are
 ///   kLinear                    whether F and Q are the same from any state
-///   start_covariance(motion)   of them where nothing is known, 2 x 2; their mean is zero
+///   start_sigma(motion)        standard deviations of them where nothing is known; their mean is zero
 ///   move(motion, dt, x)        where x goes over dt seconds, linearised: mean, F = d mean / dx, Q, each of six states
 using TrailingMotion = std::variant<ConstantAcceleration, Singer, UnknownTurnRate>;
 
@@ -23,8 +23,8 @@ inline bool is_linear(const TrailingMotion& motion) {
   return std::visit([](const auto& model) { return model.kLinear; }, motion);
 }
 
-inline Matrix2 start_covariance(const TrailingMotion& motion) {
-  return std::visit([](const auto& model) { return start_covariance(model); }, motion);
+inline Vector2 start_sigma(const TrailingMotion& motion) {
+  return std::visit([](const auto& model) { return start_sigma(model); }, motion);
 }
 
 inline Moved move(const TrailingMotion& motion, double dt_s, const FullState& x) {

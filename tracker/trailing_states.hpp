@@ -1,7 +1,5 @@
 #pragma once
 
-#include <Eigen/Cholesky>
-
 #include "tracker/gaussian.hpp"
 
 namespace dwell {
@@ -29,11 +27,12 @@ struct FullGaussian {
 ///
 /// Sensors measure x alone, and what x is taken to be says nothing new of e given x: every update, of whatever form,
 /// leaves a, G and C as they are. With x ~ N(m, P) the mean of e is a + G m, its covariance C + G P G' and that with x
-/// G P: positive definite whenever P and C are.
+/// G P: positive definite whenever P and C are. C is kept as a root, C = B B': of an acceleration that hardly changes
+/// it is by far less than what rounding does to the covariance of e.
 struct Trailing {
   Vector2 a = Vector2::Zero();
   Eigen::Matrix<double, 2, kStateSize> g = Eigen::Matrix<double, 2, kStateSize>::Zero();
-  Matrix2 c = Matrix2::Zero();
+  Matrix2 b = Matrix2::Zero();
 };
 
 inline FullGaussian join(const Gaussian& kinematic, const Trailing& trailing) {
@@ -43,26 +42,8 @@ inline FullGaussian join(const Gaussian& kinematic, const Trailing& trailing) {
   full.covariance.topLeftCorner<kStateSize, kStateSize>() = kinematic.covariance;
   full.covariance.bottomLeftCorner<2, kStateSize>() = cross;
   full.covariance.topRightCorner<kStateSize, 2>() = cross.transpose();
-  full.covariance.bottomRightCorner<2, 2>() = trailing.c + cross * trailing.g.transpose();
+  full.covariance.bottomRightCorner<2, 2>() = trailing.b * trailing.b.transpose() + cross * trailing.g.transpose();
   return full;
-}
-
-inline Gaussian kinematic_part(const FullGaussian& full) {
-  return {full.mean.head<kStateSize>(), full.covariance.topLeftCorner<kStateSize, kStateSize>()};
-}
-
-/// G = P_ex P^-1, by the factor of P.
-/// Errors   kNotPositiveDefinite of P.
-inline Numerics trailing_part(const FullGaussian& full, Trailing& out) {
-  const Gaussian kinematic = kinematic_part(full);
-  const Eigen::LLT<StateMatrix> root(kinematic.covariance);
-  if (root.info() != Eigen::Success) return Numerics::kNotPositiveDefinite;
-  const Eigen::Matrix<double, kStateSize, 2> cross = full.covariance.topRightCorner<kStateSize, 2>();
-  out.g = root.solve(cross).transpose();
-  out.a = full.mean.tail<2>() - out.g * kinematic.mean;
-  const Matrix2 c = full.covariance.bottomRightCorner<2, 2>() - out.g * cross;
-  out.c = 0.5 * (c + c.transpose());
-  return Numerics::kOk;
 }
 
 }  // namespace dwell

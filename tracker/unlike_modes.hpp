@@ -10,7 +10,10 @@ namespace dwell {
 /// uncorrelated with what i has: mixing it as zero would pull j's estimate towards zero, and as uncertain as zero is.
 /// States are alike that are of one kind (tracker/trailing_states.hpp): the accelerations of nearly constant
 /// acceleration and of Singer's target mix.
-/// Without trailing states in `estimate` those of every mode are as at the start: mean 0 and `start_covariance`.
+/// Without trailing states in `estimate` those of every mode are as at the start: mean 0 and `start_sigma`.
+///
+/// Roots are mixed and moved, not covariances, so that what is known of the trailing states stays definite however
+/// sharp it is.
 /// Errors   kNotFinite; kNotPositiveDefinite of a predicted kinematic covariance.
 /// Source   Yuan, Bar-Shalom, Willett, Mozeson, Pollak, Hardiman (2012), "A multiple IMM estimation approach with
 ///          unbiased mixing for thrusting projectiles", IEEE T-AES 48(4).

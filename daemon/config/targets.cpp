@@ -3,18 +3,11 @@
 #include <limits>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 
 #include "daemon/config/sections.hpp"
 
 namespace dwell {
 namespace {
-
-/// L with L L' = Q, of a positive semidefinite Q.
-StateMatrix root_of(const StateMatrix& q) {
-  const Eigen::SelfAdjointEigenSolver<StateMatrix> solver(q);
-  return solver.eigenvectors() * solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
-}
 
 State read_state(FieldReader& in) {
   Vector2 place = Vector2::Zero();
@@ -72,7 +65,7 @@ ScriptedMotion read_script(FieldReader& in, Duration scan_period) {
   }
   if (in.has("process_noise")) {
     const ProcessNoise noise = read_process_noise(in.child("process_noise"), scan_period);
-    motion.process_noise_root = root_of(process_noise(ConstantVelocity{}, noise, to_seconds(scan_period)));
+    motion.process_noise_root = noise_root(process_noise(ConstantVelocity{}, noise, to_seconds(scan_period)));
   }
   return motion;
 }
@@ -118,7 +111,7 @@ JumpMarkovMotion read_jump_markov(FieldReader& in, const EngineConfig& config) {
     motion.system.transition = discrete->transition;
     motion.system.guards = discrete->guards;
     for (const StateMatrix& q : discrete->q) {
-      motion.system.process_noise_root.push_back(without_noise ? StateMatrix::Zero() : root_of(q));
+      motion.system.process_noise_root.push_back(without_noise ? StateMatrix::Zero() : noise_root(q));
     }
   }
   return motion;

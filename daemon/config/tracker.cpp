@@ -236,7 +236,7 @@ namespace {
 
 void read_existence(FieldReader& in, Duration scan_period, TrackerSettings& tracker) {
   if (!tracker.has_existence()) {
-    if (in.has("existence")) in.refuse("existence", "", "is of the associations IPDA and JPDA");
+    if (in.has("existence")) in.refuse("existence", "", "is of the associations IPDA, ITS and JPDA");
     return;
   }
   FieldReader existence = in.child("existence");
@@ -263,6 +263,8 @@ void read_initiation(FieldReader in, bool has_existence, InitiationSettings& ini
   initiation.m_of_n = m_of_n;
 }
 
+bool has_trailing(const Mode& mode) { return mode.trailing.has_value(); }
+
 void read_particles(FieldReader in, FieldReader& tracker, EngineConfig& config) {
   ParticleSettings& settings = config.tracker.particles.emplace();
   in.choice("kind", settings.kind);
@@ -271,7 +273,6 @@ void read_particles(FieldReader in, FieldReader& tracker, EngineConfig& config) 
     tracker.refuse("particles", "", "must stand with association NEAREST");
   }
   if (config.tracker.update != UpdateForm::kEkf) tracker.refuse("particles", "", "must stand with update EKF");
-  const auto has_trailing = [](const Mode& mode) { return mode.trailing.has_value(); };
   if (!config.bank.guards.empty() || std::any_of(config.bank.modes.begin(), config.bank.modes.end(), has_trailing)) {
     tracker.refuse("particles", "", "must stand with a bank without guards and trailing states");
   }
@@ -290,6 +291,10 @@ void read_tracker(FieldReader in, EngineConfig& config) {
   in.number("lost_sigma_m", positive_or_infinite(), 1.0, config.tracker.lost_sigma_m);
   in.number("lost_squared_distance", positive_or_infinite(), 1.0, config.lost_squared_distance);
   in.choice("association", config.tracker.association);
+  if (config.tracker.association == Association::kIts &&
+      std::any_of(config.bank.modes.begin(), config.bank.modes.end(), has_trailing)) {
+    in.refuse("association", "ITS", "must stand with a bank without trailing states");
+  }
   read_existence(in, config.scan_period, config.tracker);
   if (in.has("initiation")) read_initiation(in.child("initiation"), config.tracker.has_existence(), config.initiation);
   if (in.has("particles")) read_particles(in.child("particles"), in, config);

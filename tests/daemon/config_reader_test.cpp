@@ -258,6 +258,14 @@ TEST(ConfigReader, UnknownBankListsTheKnown) {
               HasSubstr("must be one of: as_printed, cruise_and_turn, evans_practical, liu_hwang, manoeuvring"));
 }
 
+TEST(ConfigReader, TrackSplittingHasNoTrailingStates) {
+  EXPECT_EQ(refusal_of(kRadar + kTarget + "tracker { association: ITS }"), "");
+  EXPECT_THAT(refusal_of(kRadar + kTarget +
+                         "tracker { association: ITS bank { mode { name: \"a\" singer { sigma_mps2: 1 time_constant_s: "
+                         "20 } } } }"),
+              HasSubstr("must stand with a bank without trailing states"));
+}
+
 TEST(ConfigReader, ParticlesTakeTheNearestPlotInTheEkfForm) {
   const auto refused = [](const std::string& tracker) {
     return refusal_of(kRadar + kTarget + "tracker { particles {} " + tracker + " }");

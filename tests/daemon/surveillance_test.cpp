@@ -91,7 +91,7 @@ TEST(Surveillance, ConfigSaysWhatItNeeds) {
   EXPECT_EQ(rule("radar { name: \"r\" }\ntarget { name: \"t\" start { none {} } }"),
             "target[1].start.none: needs a radar with surveillance, which finds the target");
   EXPECT_EQ(rule("radar { name: \"r\" }\ntarget { name: \"t\" }\ntracker { existence { confirm: 0.9 } }"),
-            "tracker.existence: is of the associations IPDA and JPDA");
+            "tracker.existence: is of the associations IPDA, ITS and JPDA");
 }
 
 }  // namespace

@@ -15,7 +15,6 @@
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <Eigen/Eigenvalues>
 
 #include "radar/jump_markov_trajectory.hpp"
 #include "radar/linear_sensor.hpp"
@@ -67,11 +66,7 @@ struct Scan {
 
 std::vector<Scan> simulate(const Problem& problem, const DiscreteBank& bank, RandomStream stream) {
   JumpMarkovSystem system{bank.f, {}, bank.transition, {}};
-  for (const StateMatrix& q : bank.q) {
-    const Eigen::SelfAdjointEigenSolver<StateMatrix> solver(q);
-    system.process_noise_root.push_back(solver.eigenvectors() *
-                                        solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal());
-  }
+  for (const StateMatrix& q : bank.q) system.process_noise_root.push_back(noise_root(q));
   State draw;
   for (double& value : draw) value = stream.normal();
   const State first = problem.start.mean + problem.start.covariance.llt().matrixL() * draw;

@@ -147,6 +147,32 @@ TEST(AssociationEvents, PassOverWhatIsNotFinite) {
   EXPECT_EQ(events.plot(0), 2U);
 }
 
+// And one event at a time: the mixture of what `condition` leaves, weighed by none() and sum(i), is that of `update`.
+TEST(AssociationEvents, ConditionedOnEachEventMakesUpTheUpdate) {
+  RandomStream stream(2);
+  const PositionSensor sensor((Matrix2() << 100.0, 30.0, 30.0, 64.0).finished(), 0.7, 1e-5);
+  for (int trial = 0; trial < 50; ++trial) {
+    const Scene scene = random_scene(stream, 4);
+    AssociationEvents events;
+    ASSERT_EQ(events.list(sensor, UpdateForm::kEkf, kGate, scene.estimate, State::Zero(), scene.plots), Numerics::kOk);
+    ImmEstimate updated = scene.estimate;
+    events.update(alone(events), updated);
+    const double total = events.likelihood_ratio(alone(events));
+    Eigen::Vector3d probability = Eigen::Vector3d::Zero();
+    State mean = State::Zero();
+    for (std::size_t i = 0; i <= events.size(); ++i) {
+      ImmEstimate one = scene.estimate;
+      events.condition(i < events.size() ? std::optional(i) : std::nullopt, one);
+      EXPECT_NEAR(one.probability.sum(), 1.0, 1e-14);
+      const double weight = (i < events.size() ? events.sum(i) : events.none()) / total;
+      probability += weight * one.probability;
+      mean += weight * combined_mean(one);
+    }
+    EXPECT_TRUE(near(updated.probability, Eigen::VectorXd(probability), 1e-13));
+    EXPECT_TRUE(near(combined_mean(updated), mean, 1e-11));
+  }
+}
+
 TEST(AssociationEvents, CountAPlotThatCameTwiceOnce) {
   const PositionSensor sensor(9.0 * Matrix2::Identity(), 0.9, 1e-3);
   const ImmEstimate estimate = make_estimate(belief_at_origin(), Eigen::VectorXd::Ones(1));
@@ -166,7 +192,7 @@ Tracker standing_tracker(const TrackerSettings& settings) {
 
 TEST(Pda, WithoutClutterIsTheNearestPlotBitForBit) {
   const PositionSensor sensor(9.0 * Matrix2::Identity(), 0.9, 0.0);
-  for (const Association association : {Association::kPda, Association::kIpda, Association::kJpda}) {
+  for (const Association association : {Association::kPda, Association::kIpda, Association::kJpda, Association::kIts}) {
     Tracker nearest = standing_tracker({});
     Tracker all = standing_tracker({.association = association});
     Track one = nearest.start(TrackId{1}, "one", belief_at_origin());

@@ -116,7 +116,7 @@ LinearMode linear(const Mode& mode, double dt_s, const Gaussian& prior) {
             prior.covariance.cast<long double>()};
   }
   Trailing start;
-  start.c = start_covariance(*mode.trailing);
+  start.b = start_sigma(*mode.trailing).asDiagonal();
   const FullGaussian full = join(prior, start);
   const Moved moved = move(*mode.trailing, dt_s, full.mean);
   return {moved.f.cast<long double>(), moved.q.cast<long double>(), full.mean.cast<long double>(),

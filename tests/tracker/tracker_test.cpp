@@ -13,6 +13,7 @@
 #include "tests/scale.hpp"
 #include "tests/statistics.hpp"
 #include "tests/tracker/matrices.hpp"
+#include "tests/tracker/position_sensor.hpp"
 
 namespace dwell {
 namespace {
@@ -420,6 +421,42 @@ TEST(Tracker, TargetOverTheRadarGivesNoNan) {
       }
     }
   }
+}
+
+// --- re-acquisition
+
+/// Seen, then 5 km away and on at `step` a second from there; P_d .9, of which four misses are 1e-4. The looks after
+/// the jump until the belief is near, 8 where it never is.
+int looks_to_reacquire(const Vector2& step, double clutter_density, bool other_is_there) {
+  const PositionSensor sensor(9.0 * Matrix2::Identity(), 0.9, clutter_density);
+  Tracker tracker = one_mode_tracker();
+  Track track = tracker.start(TrackId{1}, "one", belief_at_origin());
+  Track other = tracker.start(TrackId{2}, "other", {make_state({5e3, 0.0}, step), belief_at_origin().covariance});
+  for (int k = 1; k <= 7; ++k) {
+    tracker.predict(track);
+    tracker.predict(other);
+    const Vector2 place = Vector2(5e3, 0.0) + k * step;
+    const Dwell dwell{RadarId{1}, track.id, kStreamStart + from_seconds(k), track.combined.mean};
+    const Plot plot{dwell.time, dwell.radar, place, std::nullopt};
+    (void)tracker.look(track, sensor, dwell, {&plot, 1}, other_is_there ? std::span(&other, 1) : std::span<Track>());
+    if ((position(track.combined.mean) - place).norm() < 10.0) {
+      EXPECT_EQ(track.status, TrackStatus::kCoasting) << "until a plot confirms it";
+      return k;
+    }
+  }
+  return 8;
+}
+
+TEST(Reacquire, FromTheLastTwoPlotsWhenTheMissesAreNotToBeBelieved) {
+  EXPECT_EQ(looks_to_reacquire({0.0, 0.0}, 0.0, false), 4);
+  EXPECT_EQ(looks_to_reacquire({0.0, 10.0}, 0.0, false), 4);
+}
+
+TEST(Reacquire, NotWhatNoModeWouldFly) { EXPECT_EQ(looks_to_reacquire({0.0, 800.0}, 0.0, false), 8); }
+
+TEST(Reacquire, NotAnotherTracksPlotsNorFalseOnes) {
+  EXPECT_EQ(looks_to_reacquire({0.0, 10.0}, 0.0, true), 8);
+  EXPECT_EQ(looks_to_reacquire({0.0, 10.0}, 1e-12, false), 8);
 }
 
 // --- particles

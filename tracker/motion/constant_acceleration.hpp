@@ -13,9 +13,7 @@ struct ConstantAcceleration {
   double start_sigma_mps2 = 10.0;  ///< of each component where nothing is known: 1 g
 };
 
-inline Matrix2 start_covariance(const ConstantAcceleration& motion) {
-  return motion.start_sigma_mps2 * motion.start_sigma_mps2 * Matrix2::Identity();
-}
+inline Vector2 start_sigma(const ConstantAcceleration& motion) { return Vector2::Constant(motion.start_sigma_mps2); }
 
 inline Moved move(const ConstantAcceleration& motion, double dt_s, const FullState& x) {
   return move_with_acceleration(0.0, motion.jerk_density, dt_s, x);

@@ -14,9 +14,7 @@ struct Singer {
   double time_constant_s;
 };
 
-inline Matrix2 start_covariance(const Singer& motion) {
-  return motion.sigma_mps2 * motion.sigma_mps2 * Matrix2::Identity();
-}
+inline Vector2 start_sigma(const Singer& motion) { return Vector2::Constant(motion.sigma_mps2); }
 
 inline Moved move(const Singer& motion, double dt_s, const FullState& x) {
   const double density = 2.0 * motion.sigma_mps2 * motion.sigma_mps2 / motion.time_constant_s;

@@ -28,12 +28,6 @@ State slope_of_rate(double rate, double t, const Vector2& v) {
 
 }  // namespace
 
-Matrix2 start_covariance(const UnknownTurnRate& motion) {
-  Matrix2 covariance = Matrix2::Zero();
-  covariance(0, 0) = motion.start_sigma_radps * motion.start_sigma_radps;
-  return covariance;
-}
-
 Moved move(const UnknownTurnRate& motion, double dt_s, const FullState& x) {
   const double rate = std::abs(x[kRate]) < kStraight ? kStraight : x[kRate];
   const CoordinatedTurn turn{rate};

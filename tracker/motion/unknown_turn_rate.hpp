@@ -20,7 +20,7 @@ struct UnknownTurnRate {
   double start_sigma_radps = 0.05;  ///< where nothing is known: a standard-rate turn of 3 deg/s
 };
 
-Matrix2 start_covariance(const UnknownTurnRate& motion);
+inline Vector2 start_sigma(const UnknownTurnRate& motion) { return {motion.start_sigma_radps, 0.0}; }
 Moved move(const UnknownTurnRate& motion, double dt_s, const FullState& x);
 
 }  // namespace dwell

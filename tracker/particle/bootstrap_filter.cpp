@@ -4,20 +4,12 @@
 #include <cmath>
 #include <utility>
 
-#include <Eigen/Eigenvalues>
-
 #include "radar/assert.hpp"
 #include "radar/jump_markov_trajectory.hpp"
 #include "tracker/particle/weights.hpp"
 
 namespace dwell {
 namespace {
-
-/// L with L L' = Q, which may be singular.
-StateMatrix root_of(const StateMatrix& q) {
-  const Eigen::SelfAdjointEigenSolver<StateMatrix> solver(q);
-  return solver.eigenvectors() * solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
-}
 
 State normal_state(RandomStream& stream) {
   State draw;
@@ -31,8 +23,8 @@ BootstrapFilter::BootstrapFilter(DiscreteBank bank, const Gaussian& start, const
                                  int particles, RandomStream stream)
     : bank_(std::move(bank)), stream_(stream) {
   DWELL_ASSERT(particles >= 1 && bank_.guards.empty() && bank_.trailing.empty());
-  for (const StateMatrix& q : bank_.q) noise_root_.push_back(root_of(q));
-  const StateMatrix root = root_of(start.covariance);
+  for (const StateMatrix& q : bank_.q) noise_root_.push_back(noise_root(q));
+  const StateMatrix root = noise_root(start.covariance);
   for (int i = 0; i < particles; ++i) {
     const State x = start.mean + root * normal_state(stream_);
     particles_.push_back({x, draw_index(probability.transpose(), stream_)});
