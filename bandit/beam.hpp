@@ -1,13 +1,9 @@
 #pragma once
 
 #include "bandit/planned_policy.hpp"
+#include "bandit/policy_settings.hpp"
 
 namespace dwell {
-
-struct BeamSettings {
-  int width = 10;   ///< >= 1
-  int horizon = 4;  ///< scans that are looked ahead, the present one among them; 1 .. 8
-};
 
 /// Beam search: of every scan the `width` cheapest schedules stay. Its work grows with the pairs, not with their
 /// powers: the one to take with many tracks.

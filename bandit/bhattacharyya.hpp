@@ -1,10 +1,9 @@
 #pragma once
 
 #include "bandit/policy.hpp"
+#include "bandit/policy_settings.hpp"
 
 namespace dwell {
-
-struct BhattacharyyaSettings {};
 
 /// A bound on the probability of taking a wrong mode for the likeliest after a look, from the predicted measurements
 /// of the modes and their probabilities c:

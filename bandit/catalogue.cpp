@@ -1,5 +1,21 @@
 #include "bandit/catalogue.hpp"
 
+#include "bandit/beam.hpp"
+#include "bandit/bhattacharyya.hpp"
+#include "bandit/fixed.hpp"
+#include "bandit/gittins_hmm.hpp"
+#include "bandit/index.hpp"
+#include "bandit/largest_variance.hpp"
+#include "bandit/look_ahead.hpp"
+#include "bandit/optimum.hpp"
+#include "bandit/orbit.hpp"
+#include "bandit/random_choice.hpp"
+#include "bandit/relaxed_dp.hpp"
+#include "bandit/round_robin.hpp"
+#include "bandit/sa_imm.hpp"
+#include "bandit/threshold.hpp"
+#include "bandit/window.hpp"
+
 namespace dwell {
 namespace {
 
@@ -22,6 +38,7 @@ struct Make {
   std::unique_ptr<Policy> operator()(const LookAheadSettings& s) const { return std::make_unique<LookAhead>(s); }
   std::unique_ptr<Policy> operator()(const OrbitSettings& s) const { return std::make_unique<OrbitPolicy>(s); }
   std::unique_ptr<Policy> operator()(const IndexSettings& s) const { return std::make_unique<Index>(s); }
+  std::unique_ptr<Policy> operator()(const GittinsHmmSettings& s) const { return std::make_unique<GittinsHmm>(s); }
 };
 
 }  // namespace

@@ -1,13 +1,10 @@
 #pragma once
 
 #include "bandit/policy.hpp"
+#include "bandit/policy_settings.hpp"
 #include "bandit/track_turns.hpp"
 
 namespace dwell {
-
-struct FixedSettings {
-  int sensor = 1;  ///< number of the sensor, from 1
-};
 
 /// One sensor, its tracks in turn: minus the turns until a track is next; other sensors only where that one can do
 /// nothing, after all its turns. Source: Evans et al. (2005), V, the "single sensor" policies.

@@ -5,13 +5,10 @@
 
 #include "bandit/best_looks.hpp"
 #include "bandit/orbit.hpp"
+#include "bandit/policy_settings.hpp"
 #include "bandit/value_table.hpp"
 
 namespace dwell {
-
-struct IndexSettings {
-  int depth = 2;  ///< 1: the advantage at the price; 2: two scans ahead, closed by the priced values
-};
 
 /// The Lagrangian index: what a look gains now and later, less what it costs elsewhere.
 ///

@@ -2,10 +2,9 @@
 
 #include "bandit/expected_cost.hpp"
 #include "bandit/policy.hpp"
+#include "bandit/policy_settings.hpp"
 
 namespace dwell {
-
-struct LargestVarianceSettings {};
 
 /// The track of largest predicted position variance (times its weight), by the sensor that is expected to reduce it
 /// most.

@@ -4,12 +4,9 @@
 
 #include "bandit/expected_cost.hpp"
 #include "bandit/policy.hpp"
+#include "bandit/policy_settings.hpp"
 
 namespace dwell {
-
-struct LookAheadSettings {
-  int depth = 2;  ///< scans that are looked ahead, the present one among them; 1 .. 3
-};
 
 /// Closed loop over the IMM: the pair of the least expected cost over `depth` scans, where the later looks are chosen
 /// after the earlier ones have been seen. Mode probabilities and means move with what is measured.

@@ -2,12 +2,9 @@
 
 #include "bandit/best_schedule.hpp"
 #include "bandit/planned_policy.hpp"
+#include "bandit/policy_settings.hpp"
 
 namespace dwell {
-
-struct OptimumSettings {
-  int horizon = 3;  ///< scans that are looked ahead, the present one among them; 1 .. 8
-};
 
 /// The first look of the best schedule of the horizon, by branch and bound from the first level on: the same as a
 /// window of that length, whose small trees are enumerated so that every pair's own best schedule is known. Here a pair

@@ -1,13 +1,9 @@
 #pragma once
 
+#include "bandit/policy_settings.hpp"
 #include "bandit/track_path.hpp"
 
 namespace dwell {
-
-struct OrbitSettings {
-  double discount = 0.98;
-  int steps = 150;  ///< scans of an orbit: what is left out weighs .98^150 = 5 %
-};
 
 /// The price of a look at which a track would be looked at just now: an index of the track alone, without a table.
 ///

@@ -46,7 +46,11 @@ void Policy::decide(const Situation& situation, Decision& decision) {
   decision.fell_back = false;
   decision.answered_by = {};
   decision.relaxed.reset();
-  for (const Pair& pair : situation.feasible) decision.candidates.push_back({pair, 0.0, {}, {}, {}});
+  for (const Pair& pair : situation.feasible) {
+    const Track& track = situation.tracks[pair.track];
+    decision.candidates.push_back({pair, 0.0, {}, {}, {}, {}});
+    if (track.class_belief.size() > 0) decision.candidates.back().weight = track.weight;
+  }
   if (decision.candidates.empty()) return;
   score(situation, decision.candidates);
   for (const Candidate& candidate : decision.candidates) DWELL_ASSERT(std::isfinite(candidate.score));

@@ -9,6 +9,7 @@
 #include "bandit/look_budget.hpp"
 #include "radar/random.hpp"
 #include "radar/sensor.hpp"
+#include "tracker/class_belief.hpp"
 #include "tracker/measurement.hpp"
 #include "tracker/track.hpp"
 
@@ -46,6 +47,7 @@ struct Situation {
                                     ///< sensors
   std::span<const Owed> owed = {};  ///< each gets a look, in this order, where one is left
   double scan_period_s = 1.0;
+  const TargetClasses* classes = nullptr;  ///< what the tracks' targets may be; null: nothing is said of it
   ValueTable* value_table = nullptr;  ///< where priced value sets come from (bandit/value_table.hpp); null: a policy
                                       ///< that needs one has its own
 };
@@ -64,6 +66,7 @@ struct Candidate {
   std::optional<double> cost_without_look;  ///< weighted; only of policies that compute a cost
   std::optional<double> expected_cost;      ///< weighted, after the look; likewise
   std::optional<ScoreParts> parts;          ///< only of index policies
+  std::optional<double> weight;             ///< of the track, where that depends on what it is believed to be
 };
 
 /// The relaxation that an index policy decides by: so many looks a scan on average, at a price.

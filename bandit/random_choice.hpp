@@ -1,17 +1,9 @@
 #pragma once
 
 #include "bandit/averaged_paths.hpp"
+#include "bandit/policy_settings.hpp"
 
 namespace dwell {
-
-struct RandomSettings {
-  enum class Probabilities {
-    kOptimised,  ///< of a small bound of the expected cost
-    kUniform,
-  };
-  Probabilities q = Probabilities::kOptimised;
-  int horizon = 4;  ///< scans that the bound is summed over, the present one among them; 1 .. 8
-};
 
 /// Pairs at random, with probabilities of their own. Several looks of a scan are drawn one after the other among what
 /// is left, in proportion.

@@ -1,13 +1,9 @@
 #pragma once
 
 #include "bandit/planned_policy.hpp"
+#include "bandit/policy_settings.hpp"
 
 namespace dwell {
-
-struct RelaxedDpSettings {
-  double alpha = 1.01;  ///< >= 1
-  int horizon = 2;      ///< scans that are looked ahead, the present one among them; 1 .. 8
-};
 
 /// Relaxed dynamic programming: the cost of the horizon is within alpha^2 of the least that any schedule of the plan's
 /// model costs.

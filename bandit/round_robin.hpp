@@ -1,18 +1,10 @@
 #pragma once
 
 #include "bandit/policy.hpp"
+#include "bandit/policy_settings.hpp"
 #include "bandit/track_turns.hpp"
 
 namespace dwell {
-
-struct RoundRobinSettings {
-  enum class Order {
-    kRadarFastest,  ///< the sensor changes every scan, the track after all sensors: rr9 of PAPERS scenario 2
-    kTrackFastest,  ///< the track changes every scan, the sensor after all tracks: rr9t
-    kLocked,        ///< both change every scan: rrlock
-  };
-  Order order = Order::kRadarFastest;
-};
 
 /// Sensors and tracks in turn. The score is minus the number of turns a pair is away from being next, so that what
 /// cannot be looked at is passed over. With several looks a scan, look l, from 0, is of the pair l sensors and l tracks

@@ -3,20 +3,9 @@
 #include "bandit/best_looks.hpp"
 #include "bandit/expected_cost.hpp"
 #include "bandit/policy.hpp"
+#include "bandit/policy_settings.hpp"
 
 namespace dwell {
-
-struct SaImmSettings {
-  enum class Cost {
-    kPosition,  ///< W selects x and y
-    kXOnly,     ///< W selects x, as Table I of Evans et al.
-    kFull,      ///< W = I, as (6) of Evans et al.: adds m^2 and (m/s)^2
-    kNone,      ///< W = 0: the mode term alone
-  };
-  Cost cost = Cost::kPosition;
-  double beta = 0.0;
-  int nodes = 5;  ///< quadrature nodes on a ray: see ExpectedCost for the error
-};
 
 /// The sensor-adaptive IMM: the pair whose look is expected to lower the total cost most, one step ahead.
 ///

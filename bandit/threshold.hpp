@@ -1,13 +1,9 @@
 #pragma once
 
 #include "bandit/planned_policy.hpp"
+#include "bandit/policy_settings.hpp"
 
 namespace dwell {
-
-struct ThresholdSettings {
-  double f = 1.0;   ///< >= 1
-  int horizon = 4;  ///< scans that are looked ahead, the present one among them; 1 .. 8
-};
 
 /// Thresholding: of every scan the schedules stay whose cost so far is at most f times the least. With f = 1 that is
 /// the one-step rule, and its ties followed over the horizon. Source  Chung et al. (2004), III-C; Gupta et al. (2004),

@@ -2,12 +2,9 @@
 
 #include "bandit/best_schedule.hpp"
 #include "bandit/planned_policy.hpp"
+#include "bandit/policy_settings.hpp"
 
 namespace dwell {
-
-struct WindowSettings {
-  int d = 1;  ///< scans that are looked ahead, the present one among them; 1 .. 8
-};
 
 /// Sliding window: the first look of the best schedule of the next d scans, in every scan. d = 1 is the one-step rule
 /// on the modes' covariances. A longer window is not always better (PlannedPolicy says what it leaves out), and d scans

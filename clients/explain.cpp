@@ -10,6 +10,7 @@
 
 #include "clients/names.hpp"
 #include "clients/table.hpp"
+#include "clients/track_table.hpp"
 
 namespace dwell::client {
 namespace {
@@ -105,8 +106,17 @@ std::string margin_text(const v1::ScanReport& report, const std::vector<const v1
                      pair_text((*runner_up)->radar(), (*runner_up)->track(), names));
 }
 
+/// What the looked-at track is believed to be, and what that made it worth when it was chosen; empty without classes.
+std::string importance_text(const v1::Candidate& winner, const v1::Snapshot& snapshot, const Names& names) {
+  const auto track = std::find_if(snapshot.track().begin(), snapshot.track().end(),
+                                  [&](const v1::Track& t) { return t.id() == winner.track(); });
+  if (!winner.has_weight() || track == snapshot.track().end()) return "";
+  return fmt::format("class   {} after the look; weight {} when it was chosen, {} now", class_text(*track, names),
+                     general(winner.weight()), general(track->weight()));
+}
+
 Lines head(const v1::ScanReport& report, const std::vector<const v1::Candidate*>& sorted, const Names& names,
-           int columns) {
+           const v1::Snapshot& snapshot, int columns) {
   constexpr int kIndent = 8;
   Lines lines{{fmt::format("scan {}, policy {}, {} candidate{}", report.scan(), printable(report.policy()),
                            report.candidate_size(), report.candidate_size() == 1 ? "" : "s"),
@@ -128,6 +138,9 @@ Lines head(const v1::ScanReport& report, const std::vector<const v1::Candidate*>
     for (Line& line : wrap("why     " + reason_text(**winner, report, place, names), columns, kIndent)) {
       lines.push_back(std::move(line));
     }
+    if (std::string text = importance_text(**winner, snapshot, names); !text.empty()) {
+      lines.push_back({std::move(text)});
+    }
   }
   if (report.has_relaxed()) {
     lines.push_back({fmt::format("cost    {} m2 after the scan; reference {} m2 a scan (no bound), {:+.1f} %",
@@ -145,7 +158,7 @@ Lines explain(const v1::Snapshot& snapshot, const Page& page) {
   const v1::ScanReport& report = snapshot.last_scan();
   const Names names(snapshot);
   const auto sorted = by_score(report);
-  Lines lines = head(report, sorted, names, page.columns);
+  Lines lines = head(report, sorted, names, snapshot, page.columns);
   if (sorted.empty()) return lines;
 
   const bool parts = sorted.front()->has_gain_now();
@@ -156,6 +169,8 @@ Lines explain(const v1::Snapshot& snapshot, const Page& page) {
   } else {
     columns.insert(columns.end(), {{"cost without look", true, 2}, {"expected cost", true, 1}});
   }
+  const bool weights = sorted.front()->has_weight();
+  if (weights) columns.push_back({"weight", true, 0});
   Table table(std::move(columns));
   for (const v1::Candidate* c : sorted) {
     const bool chosen = is_chosen(*c, report);
@@ -167,6 +182,7 @@ Lines explain(const v1::Snapshot& snapshot, const Page& page) {
       cells.push_back(c->has_cost_without_look() ? general(c->cost_without_look()) : "-");
       cells.push_back(c->has_expected_cost() ? general(c->expected_cost()) : "-");
     }
+    if (weights) cells.push_back(general(c->weight()));
     table.add(std::move(cells), chosen ? Mark::kBold : Mark::kPlain);
   }
   lines.push_back({""});

@@ -237,7 +237,7 @@ Lines format_snapshot(const v1::Snapshot& snapshot, const Page& page) {
     return lines;
   }
   const Names names(snapshot);
-  TrackTable table(page.columns);
+  TrackTable table(page.columns, names);
   for (const v1::Track& track : snapshot.track()) table.add(track, names, snapshot.time_ns(), false);
   const Page rest{page.columns, page.rows - static_cast<int>(lines.size())};
   for (Line& line : table.lines(rest)) lines.push_back(std::move(line));

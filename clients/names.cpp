@@ -9,6 +9,7 @@ namespace dwell::client {
 Names::Names(const v1::Snapshot& snapshot) {
   for (const v1::RadarState& radar : snapshot.radar()) set_radar(radar.number(), radar.name());
   for (const v1::Track& track : snapshot.track()) set_track(track.id(), track.name());
+  for (const std::string& name : snapshot.class_name()) classes_.push_back(printable(name));
 }
 
 void Names::set_radar(std::uint32_t number, const std::string& name) { radar_[number] = printable(name); }

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "dwell/v1/control.pb.h"
 
@@ -23,10 +24,13 @@ class Names {
   std::string track(std::uint32_t id) const;
   /// The name alone, empty where there is none.
   std::string track_name(std::uint32_t id) const;
+  /// Of the classes of targets, in their order; empty without.
+  const std::vector<std::string>& classes() const { return classes_; }
 
  private:
   std::map<std::uint32_t, std::string> radar_;
   std::map<std::uint32_t, std::string> track_;
+  std::vector<std::string> classes_;
 };
 
 }  // namespace dwell::client

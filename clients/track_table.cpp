@@ -42,6 +42,36 @@ std::string field(const std::string& name) {
   return text;
 }
 
+// ".93"
+std::string probability_text(double probability) {
+  const std::string value = fixed(probability, 2);
+  return value.starts_with("0.") ? value.substr(1) : value == "1.00" ? "1.0" : value;
+}
+
+struct LikeliestClass {
+  std::string name;         // empty without classes
+  std::string probability;  // "-" likewise
+};
+
+LikeliestClass likeliest_class(const v1::Track& track, const Names& names) {
+  const auto& belief = track.class_belief();
+  const auto likeliest = std::max_element(belief.begin(), belief.end());
+  if (likeliest == belief.end()) return {"", "-"};
+  const auto place = static_cast<std::size_t>(likeliest - belief.begin());
+  const std::string number = fmt::format("#{}", place + 1);
+  return {place < names.classes().size() ? names.classes()[place] : number, probability_text(*likeliest)};
+}
+
+std::string weight_cell(const v1::Track& track) { return track.has_weight() ? general(track.weight()) : "-"; }
+
+std::vector<Column> track_columns(bool classes) {
+  std::vector<Column> columns{{"id", true, 0},     {"name", false, 2},  {"status", false, 1}, {"E km", true, 0},
+                              {"N km", true, 0},   {"m/s", true, 5},    {"hdg", true, 6},     {"sigma m", true, 3},
+                              {"modes", false, 3}, {"radar", false, 8}, {"age s", true, 4}};
+  if (classes) columns.insert(columns.end(), {{"class", false, 2}, {"weight", true, 7}});
+  return columns;
+}
+
 Mark mark_of(v1::Track::State status, bool looked_at) {
   if (status == v1::Track::LOST) return Mark::kAlarm;
   if (status == v1::Track::COASTING) return Mark::kWarning;
@@ -91,47 +121,58 @@ std::string status_word(v1::Track::State status) {
 std::string mode_text(const v1::Track& track) {
   std::string text;
   for (const double probability : track.mode_probability()) {
-    if (!text.empty()) text += ' ';
-    const std::string value = fixed(probability, 2);
-    text += value.starts_with("0.") ? value.substr(1) : value == "1.00" ? "1.0" : value;
+    text += (text.empty() ? "" : " ") + probability_text(probability);
   }
   return text.empty() ? "-" : text;
 }
 
-TrackTable::TrackTable(int columns)
+std::string class_text(const v1::Track& track, const Names& names) {
+  const LikeliestClass likeliest = likeliest_class(track, names);
+  return likeliest.probability == "-" ? "-" : likeliest.name + " " + likeliest.probability;
+}
+
+TrackTable::TrackTable(int columns, const Names& names)
     : longest_name_(columns < kWide ? 12 : 24),
-      table_({{"id", true, 0},
-              {"name", false, 2},
-              {"status", false, 1},
-              {"E km", true, 0},
-              {"N km", true, 0},
-              {"m/s", true, 5},
-              {"hdg", true, 6},
-              {"sigma m", true, 3},
-              {"modes", false, 3},
-              {"radar", false, 8},
-              {"age s", true, 4}}) {}
+      classes_(!names.classes().empty()),
+      table_(track_columns(!names.classes().empty())) {}
 
 void TrackTable::add(const v1::Track& track, const Names& names, std::int64_t time_ns, bool looked_at) {
   const TrackFigures f = figures(track, time_ns);
-  table_.add(
-      {fmt::format("{}", track.id()), clip(printable(track.name()), longest_name_), status_word(track.status()),
-       cell(f.east_km, 2), cell(f.north_km, 2), cell(f.speed_mps, 0), heading_cell(f.heading_deg), cell(f.sigma_m, 0),
-       mode_text(track), clip(radar_cell(track, names), longest_name_), cell(f.age_of_look_s, 1)},
-      mark_of(track.status(), looked_at));
+  std::vector<std::string> cells{fmt::format("{}", track.id()),
+                                 clip(printable(track.name()), longest_name_),
+                                 status_word(track.status()),
+                                 cell(f.east_km, 2),
+                                 cell(f.north_km, 2),
+                                 cell(f.speed_mps, 0),
+                                 heading_cell(f.heading_deg),
+                                 cell(f.sigma_m, 0),
+                                 mode_text(track),
+                                 clip(radar_cell(track, names), longest_name_),
+                                 cell(f.age_of_look_s, 1)};
+  if (classes_) {
+    cells.push_back(clip(class_text(track, names), longest_name_));
+    cells.push_back(weight_cell(track));
+  }
+  table_.add(std::move(cells), mark_of(track.status(), looked_at));
 }
 
-std::string track_line_header() {
-  return fmt::format("# {:>10} {:>5} {:<24} {:<9} {:>10} {:>10} {:>8} {:>3} {:>9} {:<10} {:>7} {}", "time_s", "id",
-                     "name", "status", "east_km", "north_km", "speed_ms", "hdg", "sigma_m", "radar", "age_s", "modes");
+std::string track_line_header(const Names& names) {
+  return fmt::format("# {:>10} {:>5} {:<24} {:<9} {:>10} {:>10} {:>8} {:>3} {:>9} {:<10} {:>7} {}{}", "time_s", "id",
+                     "name", "status", "east_km", "north_km", "speed_ms", "hdg", "sigma_m", "radar", "age_s",
+                     names.classes().empty() ? "" : "class p_class weight ", "modes");
 }
 
 std::string track_line(const v1::Track& track, const Names& names, std::int64_t time_ns) {
   const TrackFigures f = figures(track, time_ns);
-  return fmt::format("{:>12.3f} {:>5} {:<24} {:<9} {:>10} {:>10} {:>8} {:>3} {:>9} {:<10} {:>7} {}",
+  const LikeliestClass likeliest = likeliest_class(track, names);
+  const std::string target_class =
+      names.classes().empty() ? ""
+                              : field(likeliest.name) + " " + likeliest.probability + " " + weight_cell(track) + " ";
+  return fmt::format("{:>12.3f} {:>5} {:<24} {:<9} {:>10} {:>10} {:>8} {:>3} {:>9} {:<10} {:>7} {}{}",
                      static_cast<double>(time_ns) / 1e9, track.id(), field(track.name()), status_word(track.status()),
                      cell(f.east_km, 3), cell(f.north_km, 3), cell(f.speed_mps, 1), heading_cell(f.heading_deg),
-                     cell(f.sigma_m, 1), field(radar_cell(track, names)), cell(f.age_of_look_s, 3), mode_text(track));
+                     cell(f.sigma_m, 1), field(radar_cell(track, names)), cell(f.age_of_look_s, 3), target_class,
+                     mode_text(track));
 }
 
 }  // namespace dwell::client

@@ -30,20 +30,24 @@ std::string status_word(v1::Track::State status);
 /// ".90 .05 .05"; "-" where there are none.
 std::string mode_text(const v1::Track& track);
 
-/// The table that `watch` and `snapshot` share: one row a track.
+/// The class that the track is of most probably and its probability: "threat .93"; "-" without classes.
+std::string class_text(const v1::Track& track, const Names& names);
+
+/// The table that `watch` and `snapshot` share: one row a track. With classes there are two more columns.
 class TrackTable {
  public:
-  explicit TrackTable(int columns);  // of the page
+  TrackTable(int columns, const Names& names);  // of the page
   void add(const v1::Track& track, const Names& names, std::int64_t time_ns, bool looked_at);
   Lines lines(const Page& page) const { return table_.lines(page, "tracks"); }
 
  private:
   int longest_name_;  // one long name must not push the figures off the page
+  bool classes_;
   Table table_;
 };
 
 /// `watch` into a pipe: the names of the columns, and one line of the same columns with the time in front.
-std::string track_line_header();
+std::string track_line_header(const Names& names);
 std::string track_line(const v1::Track& track, const Names& names, std::int64_t time_ns);
 
 }  // namespace dwell::client

@@ -43,6 +43,7 @@ class Watch {
   void on_stream();
   void on_control();
   void on_update(const Follower::Update& update);
+  void head_lines();
   void finish(int exit_code, const std::string& why);
   void say(const std::string& what) { notes_ += "dwellctl: " + what + "\n"; }
   void tell_losses();
@@ -64,6 +65,7 @@ class Watch {
   bool without_snapshot_ = false;  // the last attempt to get one failed
   bool dirty_ = true;
   bool silence_told_ = false;
+  bool headed_ = false;  // lines have their header
   Losses losses_told_;
   std::string output_;  // for standard output, in the views that are not a table
   std::string notes_;   // for standard error
@@ -72,7 +74,6 @@ class Watch {
 };
 
 int Watch::run() {
-  if (view_ == View::kLines) output_ = track_line_header() + "\n";
   while (!exit_code_) {
     if (follower_.wants_snapshot() && control_.state() != ControlClient::State::kWaiting) {
       v1::Request request;
@@ -167,6 +168,7 @@ void Watch::on_control() {
     loaded_ = true;
     without_snapshot_ = false;
     picture_.load(snapshot);
+    head_lines();
     follower_.load_snapshot(snapshot.epoch(), snapshot.sequence());
     dirty_ = true;
     return;
@@ -176,7 +178,13 @@ void Watch::on_control() {
     return finish(1, refused ? "the daemon refuses a snapshot" : NoAnswer(control_.options()).what());
   }
   without_snapshot_ = true;
+  head_lines();
   follower_.go_on_without();
+}
+
+/// The names of the columns, once it is known which there are.
+void Watch::head_lines() {
+  if (view_ == View::kLines && !std::exchange(headed_, true)) output_ += track_line_header(picture_.names()) + "\n";
 }
 
 void Watch::on_update(const Follower::Update& update) {

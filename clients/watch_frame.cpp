@@ -62,7 +62,7 @@ Lines watch_frame(const Picture& picture, const Supply& supply, const Page& page
   lines.push_back({picture.mode_names().empty() ? "" : modes});
   lines.push_back(marks(supply));
 
-  TrackTable table(page.columns);
+  TrackTable table(page.columns, picture.names());
   // The lost ones last: where rows are short, what lives comes first.
   for (const bool lost : {false, true}) {
     for (const auto& [id, entry] : picture.tracks()) {

@@ -37,7 +37,10 @@ void add_options(CLI::App& app, Flags& flags) {
   auto* config = app.add_option("--config", flags.config, "scenario or scheduling problem in protobuf text format");
   auto* replay =
       app.add_option("--replay", flags.replay, "the run of a journal, in the place of a config: --calibrate");
-  auto* policies = app.add_option("--policies", flags.policies, "a,b:key=value,c; default: the config's");
+  auto* policies = app.add_option("--policies", flags.policies, "a,b:key=value,c; default: the config's")
+                       ->check([](const std::string& text) {
+                         return text.empty() ? std::string("must name a policy, or be left out") : std::string();
+                       });
   auto* seed =
       app.add_option("--seed", request.seed, "of the first run; default: the config's")->check(whole_number(0));
   app.add_option("--runs", request.runs, "Monte Carlo runs")->check(whole_number(1, 10'000'000))->capture_default_str();

@@ -28,6 +28,7 @@ void encode(const TruthReport& truth, const Track& track, v1::Truth& message) {
   message.set_altitude_m(truth.altitude_m);
   message.set_position_error_m((position(truth.state) - position(track.combined.mean)).norm());
   message.set_nees(nees(truth.state, track.combined));
+  if (truth.target_class) message.set_target_class(number_of(static_cast<std::size_t>(*truth.target_class)));
 }
 
 /// A correction in the units of the wire.
@@ -93,6 +94,8 @@ void encode(const Track& track, v1::Track& message) {
   message.set_age_scans(static_cast<std::uint32_t>(track.age_scans));
   if (track.nis) message.set_nis(*track.nis);
   if (track.existence) message.set_existence_probability(*track.existence);
+  for (const double probability : track.class_belief) message.add_class_belief(probability);
+  if (track.class_belief.size() > 0) message.set_weight(track.weight);
 }
 
 void encode(const ScanReport& report, std::span<const Track> tracks, v1::ScanReport& message) {
@@ -106,6 +109,7 @@ void encode(const ScanReport& report, std::span<const Track> tracks, v1::ScanRep
     out.set_score(candidate.score);
     if (candidate.cost_without_look) out.set_cost_without_look(*candidate.cost_without_look);
     if (candidate.expected_cost) out.set_expected_cost(*candidate.expected_cost);
+    if (candidate.weight) out.set_weight(*candidate.weight);
     if (!candidate.parts) continue;
     out.set_gain_now(candidate.parts->gain_now);
     out.set_value_later(candidate.parts->value_later);
@@ -155,6 +159,7 @@ void encode(const ScanReport& report, const LookReport& look, std::size_t plot, 
   }
   message.set_used(look.used_plot == plot);
   message.set_false_alarm(!detection.source.has_value());
+  if (detection.declared) message.set_declared_class(number_of(static_cast<std::size_t>(*detection.declared)));
 }
 
 bool encode_calibration(const Engine& engine, std::size_t sensor, v1::RadarCalibration& message) {

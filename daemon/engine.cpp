@@ -6,6 +6,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "bandit/catalogue.hpp"
+#include "bandit/value_table.hpp"
 #include "daemon/make.hpp"
 #include "radar/assert.hpp"
 #include "tracker/metrics/nees.hpp"
@@ -47,9 +49,18 @@ struct Engine::Target {
   std::optional<State> state;  // where it is now
   bool tracked = false;        // has had its track in this life
   RandomStream start_stream;   // of how its track begins
+  RandomStream class_stream;   // of what it is
+  std::optional<int> target_class = std::nullopt;
 
   /// Names of its random streams and of its track: the config's, with the life from the second on.
   std::string name() const { return life == 1 ? config->name : config->name + "#" + std::to_string(life); }
+};
+
+/// What a track begins with: by a plot, the sensor that it is of as well.
+struct Engine::FirstBelief {
+  Gaussian gaussian;
+  std::size_t sensor = 0;
+  std::optional<Plot> plot = std::nullopt;
 };
 
 /// Track initiation by one sensor.
@@ -107,7 +118,7 @@ Engine::Engine(const EngineConfig& config)
   counts_.looks.resize(sensors_.size());
   counts_.detections.resize(sensors_.size());
   for (const TargetConfig& target : config_.targets) {
-    targets_.push_back({&target, TargetId{++last_target_number_}, 0, {}, nullptr, {}, false, root_});
+    targets_.push_back({&target, TargetId{++last_target_number_}, 0, {}, nullptr, {}, false, root_, root_});
     begin_life(targets_.back(), target.start);
   }
   advance_truth();
@@ -160,7 +171,7 @@ void Engine::advance_truth() {
   for (Target& target : targets_) {
     if (target.trajectory->ended(report_.time)) restart(target);
     target.state = target.trajectory->advance(report_.time);
-    if (target.state) truth_.push_back({target.id, *target.state});
+    if (target.state) truth_.push_back({target.id, *target.state, target.target_class});
   }
 }
 
@@ -179,6 +190,10 @@ void Engine::begin_life(Target& target, TimePoint start) {
   const std::string name = target.name();
   target.trajectory = make_trajectory(*target.config, start, config_.scan_period, root_, name);
   target.start_stream = root_.fork("track/" + name + "/start");
+  if (config_.tracker.classes.size() == 0) return;
+  target.class_stream = root_.fork("target/" + name + "/class");
+  const int drawn = draw_index(config_.tracker.classes.prior.transpose(), target.class_stream);
+  target.target_class = target.config->target_class.value_or(drawn);
 }
 
 void Engine::predict_tracks() {
@@ -187,40 +202,43 @@ void Engine::predict_tracks() {
 
 void Engine::start_tracks() {
   for (std::size_t i = 0; i < targets_.size(); ++i) {
-    if (targets_[i].tracked || !targets_[i].state) continue;
-    if (const auto belief = first_belief(i)) start_track(i, *belief);
+    if (!targets_[i].tracked && targets_[i].state) start_track(i);
   }
 }
 
 /// What the track of a target begins with; empty where no plot has come yet.
-std::optional<Gaussian> Engine::first_belief(std::size_t target) {
+std::optional<Engine::FirstBelief> Engine::first_belief(std::size_t target) {
   const Target& truth = targets_[target];
   RandomStream stream = truth.start_stream;
   if (const auto* cued = std::get_if<CuedStart>(&truth.config->track_start)) {
     State draw;
     for (double& value : draw) value = stream.normal();
     const StateMatrix root = cued->covariance.llt().matrixL();
-    return Gaussian{*truth.state + root * draw, cued->covariance};
+    return FirstBelief{{*truth.state + root * draw, cued->covariance}};
   }
   if (std::holds_alternative<NoStart>(truth.config->track_start)) return std::nullopt;
   const auto& first_plot = std::get<FirstPlotStart>(truth.config->track_start);
   for (std::size_t i = 0; i < sensors_.size(); ++i) {
     const Dwell dwell{RadarId{static_cast<std::uint32_t>(i + 1)}, TrackId{}, report_.time, *truth.state};
     if (!sensor_states_[i].up) continue;
-    const TargetTruth alone{truth.id, *truth.state};
+    const TargetTruth alone{truth.id, *truth.state, truth.target_class};
     simulate_look(*sensors_[i], dwell, std::span(&alone, 1), stream.fork(i), look_plots_);
     for (const Plot& plot : look_plots_) {
       if (!plot.source) continue;
-      if (auto belief = Tracker::belief_from(plot, *beliefs_[i], first_plot.speed_sigma_mps)) return belief;
+      const auto belief = Tracker::belief_from(plot, *beliefs_[i], first_plot.speed_sigma_mps);
+      if (belief) return FirstBelief{*belief, i, plot};
     }
   }
   return std::nullopt;
 }
 
-void Engine::start_track(std::size_t target, const Gaussian& belief) {
+void Engine::start_track(std::size_t target) {
+  const std::optional<FirstBelief> belief = first_belief(target);
+  if (!belief) return;
   Target& truth = targets_[target];
-  tracks_.push_back(tracker_.start(TrackId{++last_track_number_}, truth.name(), belief));
-  tracks_.back().weight = truth.config->weight;
+  tracks_.push_back(tracker_.start(TrackId{++last_track_number_}, truth.name(), belief->gaussian));
+  tracker_.set_target_weight(tracks_.back(), truth.config->weight);
+  if (belief->plot) tracker_.declare(tracks_.back(), *beliefs_[belief->sensor], *belief->plot);
   links_.push_back({target, truth.id});
   truth.tracked = true;
 }
@@ -267,6 +285,7 @@ void Engine::choose() {
                             .feasible = feasible_,
                             .owed = owed_,
                             .scan_period_s = to_seconds(config_.scan_period),
+                            .classes = &config_.tracker.classes,
                             .value_table = config_.value_table.get()};
   policy_->decide(situation, report_.decision);
   report_.policy = policy_->name();
@@ -299,6 +318,7 @@ void Engine::execute(const Pair& pair) {
   Track& track = tracks_[pair.track];
   LookReport look;
   look.dwell = {RadarId{static_cast<std::uint32_t>(pair.sensor + 1)}, track.id, report_.time, track.combined.mean};
+  move_class_of(pair.track);
   simulate_look(*sensors_[pair.sensor], look.dwell, truth_, sensor_streams_[pair.sensor], look_plots_);
   look.first_plot = report_.plots.size();
   look.plots = look_plots_.size();
@@ -317,6 +337,18 @@ void Engine::execute(const Pair& pair) {
   if (outcome.used_plot) ++counts_.detections[pair.sensor];
   if (links_[pair.track].far_looks >= kFarLooksToLose && track.alive()) track.lose(LossCause::kFromTruth);
   report_.looks.push_back(look);
+}
+
+/// A look is about to be made for the track: its target's class moves. By the number of such looks alone, so that it
+/// takes the same path under every policy.
+void Engine::move_class_of(std::size_t track) {
+  const TruthLink& link = links_[track];
+  if (!config_.tracker.classes.move() || link.target == TruthLink::kNoTarget) return;
+  Target& target = targets_[link.target];
+  const auto truth = std::find_if(truth_.begin(), truth_.end(), [&](const TargetTruth& t) { return t.id == link.id; });
+  if (target.id != link.id || truth == truth_.end() || !target.target_class) return;
+  target.target_class = draw_index(config_.tracker.classes.transition.row(*target.target_class), target.class_stream);
+  truth->target_class = target.target_class;
 }
 
 /// Before the update: how far the truth is from the prediction, at looks that saw the target.
@@ -367,7 +399,7 @@ void Engine::hand_over(Track track) {
     ++counts_.tracks_false;
   } else {
     track.name = targets_[link.target].name();
-    track.weight = targets_[link.target].config->weight;
+    tracker_.set_target_weight(track, targets_[link.target].config->weight);
   }
   tracks_.push_back(std::move(track));
   links_.push_back(link);
@@ -414,7 +446,7 @@ void Engine::report_truth() {
     const Target& target = targets_[links_[i].target];
     if (!tracks_[i].alive() || target.id != links_[i].id || !target.state) continue;
     report_.truth.push_back({tracks_[i].id, links_[i].target, *target.state, target.trajectory->altitude_m(),
-                             target.trajectory->mode(), target.id});
+                             target.trajectory->mode(), target.id, target.target_class});
   }
 }
 

@@ -28,7 +28,8 @@ struct TruthReport {
   State state;
   double altitude_m = 0.0;
   std::optional<int> mode;
-  TargetId life;  ///< of the target: a repeated recording has one more each time
+  TargetId life;                    ///< of the target: a repeated recording has one more each time
+  std::optional<int> target_class;  ///< from 0; empty without classes
 };
 
 /// What happened in one scan. Valid until the next.
@@ -104,6 +105,7 @@ class Engine {
   void choose();
   void set_faults();
   void execute(const Pair& pair);
+  void move_class_of(std::size_t track);
   void compare_with_truth(std::size_t track);
   void survey();
   void hand_over(Track track);
@@ -113,8 +115,9 @@ class Engine {
   void report_truth();
   void restart(Target& target);
   void begin_life(Target& target, TimePoint start);
-  void start_track(std::size_t target, const Gaussian& belief);
-  std::optional<Gaussian> first_belief(std::size_t target);
+  void start_track(std::size_t target);
+  struct FirstBelief;
+  std::optional<FirstBelief> first_belief(std::size_t target);
 
   EngineConfig config_;
   RandomStream root_;

@@ -7,7 +7,8 @@
 #include <variant>
 #include <vector>
 
-#include "bandit/catalogue.hpp"
+#include "bandit/policy.hpp"
+#include "bandit/policy_settings.hpp"
 #include "radar/calibration/corrected_radar.hpp"
 #include "radar/jump_markov_trajectory.hpp"
 #include "radar/range_bearing_radar.hpp"
@@ -48,6 +49,7 @@ struct SensorConfig {
   int surveillance_scans = 0;  ///< scans from one surveillance look to the next; 0: none
   RadarTruth truth;
   std::vector<RadarFault> faults;
+  std::optional<Declaration> declaration;  ///< of the class of a plot's target
 };
 
 enum class CalibrationMode {
@@ -108,6 +110,7 @@ struct TargetConfig {
   double weight = 1.0;  ///< multiplies its cost in every policy and metric
   std::variant<CuedStart, FirstPlotStart, NoStart> track_start;
   bool calibration_flight = false;  ///< where it is, is known to calibration
+  std::optional<int> target_class;  ///< at its start, from 0; empty: drawn from the priors
 };
 
 inline constexpr const char* kDefaultBank = "cruise_and_turn";

@@ -38,7 +38,11 @@ struct MakeTrajectory {
 
 }  // namespace
 
-std::unique_ptr<Sensor> make_sensor(const SensorConfig& config) { return std::visit(MakeSensor{}, config.figures); }
+std::unique_ptr<Sensor> make_sensor(const SensorConfig& config) {
+  std::unique_ptr<Sensor> sensor = std::visit(MakeSensor{}, config.figures);
+  if (config.declaration) sensor->set_declaration(*config.declaration);
+  return sensor;
+}
 
 std::unique_ptr<Trajectory> make_trajectory(const TargetConfig& config, TimePoint start, Duration scan_period,
                                             const RandomStream& root, const std::string& name) {

@@ -190,7 +190,7 @@ void Run::set_policy(const v1::Request& request, v1::Reply& reply) {
   std::optional<v1::Policy> wanted = request.set_policy().policy();
   if (request.set_policy().has_text()) wanted = parse_policy_text(text, violations);
   std::optional<PolicySettings> settings;
-  if (wanted) settings = read_policy(*wanted, static_cast<int>(engine_.sensors().size()), violations);
+  if (wanted) settings = read_policy(*wanted, sensors(), has_classes(), violations);
   if (!settings || !violations.empty()) return refuse(reply, v1::Refused::INVALID, violations);
   if (!record(request, reply)) return;
   engine_.set_policy(*settings);
@@ -362,7 +362,7 @@ void Run::fill_status(v1::Status& status) const {
 }
 
 void Run::fill_policies(v1::PolicyList& list) const {
-  for (const PolicyDescription& description : describe_policies(static_cast<int>(engine_.sensors().size()))) {
+  for (const PolicyDescription& description : describe_policies(sensors(), has_classes())) {
     v1::PolicyEntry& entry = *list.add_entry();
     entry.set_name(description.name);
     entry.set_summary(description.summary);
@@ -389,6 +389,7 @@ void Run::fill_snapshot(v1::Snapshot& snapshot) const {
   *snapshot.mutable_policy() = policy_;
   for (std::size_t i = 0; i < engine_.sensors().size(); ++i) encode_radar(engine_, i, *snapshot.add_radar());
   for (const Mode& mode : engine_.config().bank.modes) snapshot.add_mode_name(mode.name);
+  for (const std::string& name : engine_.config().tracker.classes.names) snapshot.add_class_name(name);
   for (const Track& track : engine_.tracks()) encode(track, *snapshot.add_track());
   if (scans() > 0) encode(engine_.last(), engine_.tracks(), *snapshot.mutable_last_scan());
   snapshot.set_scan_period_s(to_seconds(engine_.config().scan_period));

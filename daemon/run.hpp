@@ -68,6 +68,8 @@ class Run {
   void remember(const v1::Request& request, const v1::Reply& reply);
   void query(const v1::Request& request, v1::Accepted& accepted) const;
 
+  int sensors() const { return static_cast<int>(engine_.sensors().size()); }
+  bool has_classes() const { return engine_.config().tracker.classes.size() > 0; }
   void expect_late_values();
   void record_late_values();
 

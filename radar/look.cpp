@@ -8,6 +8,7 @@
 
 #include "radar/assert.hpp"
 #include "radar/frames.hpp"
+#include "radar/jump_markov_trajectory.hpp"
 
 namespace dwell {
 namespace {
@@ -26,11 +27,15 @@ void add_false_alarms(const Sensor& sensor, const Dwell& dwell, const Measuremen
   const double near = std::max(0.0, centre[0] - half[0]);
   const double far = std::min(sensor.largest_range(), centre[0] + half[0]);
   if (far <= near) return;
+  RandomStream declared = stream.fork("declared");
   const int count = stream.poisson(sensor.clutter_density() * (far - near) * 2.0 * half[1]);
   for (int i = 0; i < count; ++i) {
     const double range_m = stream.uniform(near, far);
     const double azimuth_rad = wrap_angle(centre[1] + stream.uniform(-half[1], half[1]));
     plots.push_back({dwell.time, dwell.radar, {range_m, azimuth_rad}, std::nullopt});
+    if (const Declaration* declaration = sensor.declaration()) {
+      plots.back().declared = static_cast<int>(declared.uniform() * declaration->classes());
+    }
   }
 }
 
@@ -45,6 +50,9 @@ void add_detection(const Sensor& sensor, const Dwell& dwell, const TargetTruth& 
   const Vector2 noisy = z + root * Vector2(first, second);
   // residual() of the zero measurement brings a bearing back into (-pi, pi].
   plots.push_back({dwell.time, dwell.radar, sensor.residual(noisy, Vector2::Zero()), target.id});
+  const Declaration* declaration = sensor.declaration();
+  if (declaration == nullptr || !target.target_class) return;
+  plots.back().declared = draw_index(declaration->emission.row(*target.target_class), draw);
 }
 
 RandomStream stream_of_look(const RandomStream& stream, const Dwell& dwell) {

@@ -22,6 +22,7 @@ struct Plot {
   RadarId radar;
   Vector2 z;
   std::optional<TargetId> source;  ///< simulation only; empty for a false alarm. The tracker never reads it.
+  std::optional<int> declared = std::nullopt;  ///< class, from 0; empty where the sensor declares none
 };
 
 }  // namespace dwell

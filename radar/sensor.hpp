@@ -3,7 +3,9 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 
+#include "radar/declaration.hpp"
 #include "radar/plot.hpp"
 #include "radar/state.hpp"
 
@@ -48,6 +50,13 @@ class Sensor {
   virtual double clutter_density() const { return 0.0; }
   /// The first measurement component lies in [0, this]: where false plots can be.
   virtual double largest_range() const { return std::numeric_limits<double>::infinity(); }
+
+  /// What its plots say of the class of their target; null: nothing.
+  const Declaration* declaration() const { return declaration_ ? &*declaration_ : nullptr; }
+  void set_declaration(Declaration declaration) { declaration_ = std::move(declaration); }
+
+ private:
+  std::optional<Declaration> declaration_;
 };
 
 }  // namespace dwell

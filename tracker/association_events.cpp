@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "radar/assert.hpp"
+#include "tracker/class_belief.hpp"
 #include "tracker/footprint.hpp"
 
 namespace dwell {
@@ -32,7 +33,8 @@ void AssociationEvents::reserve(std::size_t plots, std::size_t modes) {
 }
 
 Numerics AssociationEvents::list(const Sensor& sensor, UpdateForm form, double gate, const ImmEstimate& predicted,
-                                 const State& pointing, std::span<const Plot> plots) {
+                                 const State& pointing, std::span<const Plot> plots,
+                                 const Eigen::VectorXd& class_belief) {
   modes_ = predicted.modes.size();
   in_gate_.clear();
   innovations_.clear();
@@ -71,10 +73,11 @@ Numerics AssociationEvents::list(const Sensor& sensor, UpdateForm form, double g
     }
     const std::size_t first = in_gate_.size() * modes_;
     in_gate_.push_back(i);
+    const double declared = declaration_ratio(sensor, plots[i], class_belief);
     double sum = 0.0;
     for (std::size_t j = 0; j < modes_; ++j) {
-      // At most 8 / kLeastClutter by the floor of lambda; what underflows to nothing is outweighed by w_0.
-      weights_.push_back(detected_[j] *
+      // At most 8 n / kLeastClutter by the floor of lambda; what underflows to nothing is outweighed by w_0.
+      weights_.push_back(detected_[j] * declared *
                          std::exp(measurements_[j].log_likelihood(innovations_[first + j]) - log_lambda));
       sum += weights_.back();
     }

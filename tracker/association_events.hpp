@@ -15,12 +15,13 @@ inline constexpr double kLargestBelievedDetection = 0.99;
 /// What the plots of one look may be to one track: the events of probabilistic data association.
 ///
 ///   w_0j = c_j (1 - D_j P_G)                    no plot in the gate is the target's
-///   w_ij = c_j D_j N(nu_ij; 0, S_j) / lambda    plot i is, the others are false
+///   w_ij = c_j D_j N(nu_ij; 0, S_j) l_i / lambda    plot i is, the others are false
 ///
 /// for mode j, as ratios to "all plots are false". c_j is the predicted mode probability; D_j = P_d F_j, P_d that of
 /// the combined mean, at most kLargestBelievedDetection, and F_j the probability of being in the footprint; lambda the
 /// density of false plots (`clutter_density`), at least that of kLeastClutter plots in a 16-gate: what is not explained
-/// otherwise, as another target's plot, still is no contradiction.
+/// otherwise, as another target's plot, still is no contradiction. l_i is what the class that plot i declares says for
+/// it (declaration_ratio of tracker/class_belief.hpp; 1 without classes).
 ///
 /// A plot is in when any mode's squared distance is under the gate, and then counts in every mode. P_G = 1 - exp(-gate
 /// / 2) is that of a mode's own ellipse: the plots that the other modes let in besides are not counted, an error of at
@@ -37,7 +38,7 @@ class AssociationEvents {
   /// estimate, in a look that points at `pointing`. No allocation once the vectors have grown to plots x modes.
   /// Errors   kNotPositiveDefinite of an S_j, kNotFinite of a weight; there are no events then.
   Numerics list(const Sensor& sensor, UpdateForm form, double gate, const ImmEstimate& predicted, const State& pointing,
-                std::span<const Plot> plots);
+                std::span<const Plot> plots, const Eigen::VectorXd& class_belief = {});
 
   std::size_t size() const { return in_gate_.size(); }           ///< plots in the gate
   std::size_t plot(std::size_t i) const { return in_gate_[i]; }  ///< its place in the look

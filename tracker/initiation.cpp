@@ -128,7 +128,7 @@ void TrackInitiation::begin_with(Track track) {
   tentative_.push_back({.track = std::move(track), .first_odds = existence / (1.0 - existence), .plot = {}});
 }
 
-void TrackInitiation::begin(const Tracker& tracker, const Sensor& sensor) {
+void TrackInitiation::begin(Tracker& tracker, const Sensor& sensor) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < free_.size(); ++i) {
     if (owner_[i] == kNobody) free_[kept++] = free_[i];
@@ -162,7 +162,7 @@ double TrackInitiation::existence_of_pair(const ExistenceSettings& existence, co
   return std::min(kLikeliest, right / (right + wrong));
 }
 
-std::optional<Track> TrackInitiation::pair(const Tracker& tracker, const Sensor& sensor, const Plot& first,
+std::optional<Track> TrackInitiation::pair(Tracker& tracker, const Sensor& sensor, const Plot& first,
                                            const Plot& second) const {
   const std::optional<Vector2> from = sensor.position_of(first.z);
   const std::optional<Vector2> to = sensor.position_of(second.z);
@@ -174,6 +174,8 @@ std::optional<Track> TrackInitiation::pair(const Tracker& tracker, const Sensor&
   if (step.norm() > settings_.largest_speed_mps * interval_s_ + 3.0 * noise) return std::nullopt;
   const Gaussian belief = two_point(*from, r1, *to, r2, interval_s_);
   Track track = tracker.start(TrackId{}, "", belief);
+  tracker.declare(track, sensor, first);
+  tracker.declare(track, sensor, second);
   track.tentative = true;
   if (track.existence) track.existence = existence_of_pair(tracker.settings().existence, sensor, belief.mean);
   return track;

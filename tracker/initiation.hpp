@@ -67,10 +67,10 @@ class TrackInitiation {
   void advance(Tracker& tracker, const Sensor& sensor, const Dwell& dwell);
   void settle_disputes();
   void confirm(const ExistenceSettings& existence, bool by_existence, std::vector<Track>& found);
-  void begin(const Tracker& tracker, const Sensor& sensor);
+  void begin(Tracker& tracker, const Sensor& sensor);
   void begin_with(Track track);
   double existence_of_pair(const ExistenceSettings& existence, const Sensor& sensor, const State& x) const;
-  std::optional<Track> pair(const Tracker& tracker, const Sensor& sensor, const Plot& first, const Plot& second) const;
+  std::optional<Track> pair(Tracker& tracker, const Sensor& sensor, const Plot& first, const Plot& second) const;
   bool outranks(const Tentative& one, const Tentative& other) const;
 
   InitiationSettings settings_;

@@ -55,7 +55,9 @@ void PlotCluster::gate_rivals(TrackId id, std::span<const Track> rivals, const S
     if (track.id == id || !track.alive()) continue;
     if (footprint_probability(sensor, track.combined, pointing) < kOutside) continue;
     Rival& rival = rivals_[count_];
-    if (rival.events.list(sensor, form, gate, track.estimate, pointing, plots) != Numerics::kOk) continue;
+    if (rival.events.list(sensor, form, gate, track.estimate, pointing, plots, track.class_belief) != Numerics::kOk) {
+      continue;
+    }
     if (rival.events.size() == 0) continue;
     rival.existence = track.existence.value_or(1.0);
     rival.none = 1.0 - rival.existence + rival.existence * rival.events.none();

@@ -36,8 +36,9 @@ struct Outlier {
 struct Track {
   TrackId id;
   std::string name;
-  double weight = 1.0;                      ///< multiplies its cost in every policy
-  ImmEstimate estimate;                     ///< at the last scan: predicted, and updated where a look gave a plot
+  double target_weight = 1.0;  ///< of its target, whatever that is
+  double weight = 1.0;   ///< multiplies its cost in every policy: target_weight times the mean weight of its class
+  ImmEstimate estimate;  ///< at the last scan: predicted, and updated where a look gave a plot
   std::optional<ParticleFilter> particles;  ///< what `estimate` is of, where that is no IMM
   std::vector<TrackComponent> components;   ///< what `estimate` is the mixture of, where a look in clutter split it
   Gaussian combined;                        ///< moment-matched estimate
@@ -54,6 +55,7 @@ struct Track {
   bool restarted = false;             ///< its numbers failed since the last plot used
   bool tentative = false;             ///< begun by plots and not yet believed: track initiation judges it
   std::optional<double> existence;    ///< probability that the target exists; only where the association computes it
+  Eigen::VectorXd class_belief;       ///< probability of each class of target; empty without classes
 
   bool alive() const { return status != TrackStatus::kLost; }
   void lose(LossCause cause) {

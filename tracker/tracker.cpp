@@ -40,6 +40,7 @@ Tracker::Tracker(DiscreteBank bank, Eigen::VectorXd initial_probability, const T
   measurements_.resize(scratch_.modes.size());
   innovations_.resize(scratch_.modes.size());
   best_innovations_.resize(scratch_.modes.size());
+  class_mixture_.resize(settings_.classes.size());
 }
 
 void Tracker::reserve(std::size_t plots) {
@@ -58,14 +59,34 @@ Track Tracker::start(TrackId id, std::string name, const Gaussian& belief) const
   return track;
 }
 
-/// Every mode at the belief.
+/// Every mode at the belief, every class by its prior.
 void Tracker::begin(Track& track, const Gaussian& belief) const {
   track.estimate = make_estimate(belief, initial_probability_);
   track.combined = belief;
   track.components.clear();
+  track.class_belief = settings_.classes.prior;
+  weigh(track);
   if (!settings_.particles) return;
   track.particles.emplace(make_particles(*settings_.particles, bank_, belief, initial_probability_,
                                          particle_stream_.fork(track.id.number).fork(track.age_scans)));
+}
+
+void Tracker::set_target_weight(Track& track, double weight) const {
+  track.target_weight = track.weight = weight;
+  weigh(track);
+}
+
+/// The mean over its class.
+void Tracker::weigh(Track& track) const {
+  if (track.class_belief.size() == 0) return;
+  track.weight = track.target_weight * settings_.classes.weight.dot(track.class_belief);
+}
+
+void Tracker::declare(Track& track, const Sensor& sensor, const Plot& plot) {
+  class_mixture_.setZero();
+  add_class_posterior(sensor, plot, 1.0, track.class_belief, class_mixture_);
+  track.class_belief = class_mixture_;
+  weigh(track);
 }
 
 void Tracker::fail(Track& track) {
@@ -123,6 +144,14 @@ Numerics Tracker::advance(Track& track) {
 
 LookOutcome Tracker::look(Track& track, const Sensor& sensor, const Dwell& dwell, std::span<const Plot> plots,
                           std::span<const Track> others) {
+  move_class(settings_.classes, track.class_belief);
+  const LookOutcome outcome = observe(track, sensor, dwell, plots, others);
+  weigh(track);
+  return outcome;
+}
+
+LookOutcome Tracker::observe(Track& track, const Sensor& sensor, const Dwell& dwell, std::span<const Plot> plots,
+                             std::span<const Track> others) {
   track.unseen_scans = 0;
   track.last_look = dwell.time;
   track.last_radar = dwell.radar;
@@ -138,7 +167,9 @@ LookOutcome Tracker::survey(Track& track, const Sensor& sensor, const Dwell& dwe
   // Points at the track: what little of it lies beyond the footprint's half extent is all that is miscounted.
   Dwell at_track = dwell;
   at_track.pointing = track.combined.mean;
-  return look(track, sensor, at_track, plots);
+  const LookOutcome outcome = observe(track, sensor, at_track, plots, {});
+  weigh(track);
+  return outcome;
 }
 
 void Tracker::mark_gated(const Track& track, const Sensor& sensor, std::span<const Plot> plots,
@@ -161,7 +192,8 @@ bool Tracker::look_at_all(Track& track, const Sensor& sensor, const Dwell& dwell
     split(track, sensor, pointing, plots, outcome);
     return true;
   }
-  if (events_.list(sensor, settings_.update, settings_.gate, track.estimate, pointing, plots) != Numerics::kOk) {
+  if (events_.list(sensor, settings_.update, settings_.gate, track.estimate, pointing, plots, track.class_belief) !=
+      Numerics::kOk) {
     fail(track);
     return true;
   }
@@ -182,6 +214,7 @@ bool Tracker::look_at_all(Track& track, const Sensor& sensor, const Dwell& dwell
   const double likelihood_ratio = events_.likelihood_ratio(factor_);
   const double detection = std::min(sensor.detection_probability(track.combined.mean), kLargestBelievedDetection);
   events_.update(factor_, track.estimate);
+  mix_classes(track, sensor, plots);
   conclude(track, outcome, detection, likelihood_ratio);
   return true;
 }
@@ -225,6 +258,17 @@ void Tracker::conclude(Track& track, LookOutcome& outcome, double detection, dou
   judge_existence(track, likelihood_ratio);
 }
 
+/// The class after all events of `events_`, by their probabilities.
+void Tracker::mix_classes(Track& track, const Sensor& sensor, std::span<const Plot> plots) {
+  if (track.class_belief.size() == 0) return;
+  class_mixture_ = events_.none() * track.class_belief;
+  for (std::size_t i = 0; i < events_.size(); ++i) {
+    add_class_posterior(sensor, plots[events_.plot(i)], factor_[i] * events_.sum(i), track.class_belief,
+                        class_mixture_);
+  }
+  track.class_belief = class_mixture_ / class_mixture_.sum();
+}
+
 LookOutcome Tracker::look_at_nearest(Track& track, const Sensor& sensor, std::span<const Plot> plots,
                                      std::span<const Track> others) {
   LookOutcome outcome;
@@ -238,7 +282,8 @@ LookOutcome Tracker::look_at_nearest(Track& track, const Sensor& sensor, std::sp
     if (!plots[i].z.allFinite()) continue;
     had_plots = true;
     if (!gated_innovations(track, sensor, plots[i])) continue;
-    if (const double density = log_density(track); !outcome.used_plot || density > best) {
+    const double density = log_density(track) + std::log(declaration_ratio(sensor, plots[i], track.class_belief));
+    if (!outcome.used_plot || density > best) {
       best = density;
       outcome.used_plot = i;
       best_innovations_ = innovations_;
@@ -257,6 +302,7 @@ LookOutcome Tracker::look_at_nearest(Track& track, const Sensor& sensor, std::sp
     return {};
   }
   track.combined = combined;
+  declare(track, sensor, plots[*outcome.used_plot]);
   track.nis = nis;
   track.status = TrackStatus::kConfirmed;
   track.restarted = false;

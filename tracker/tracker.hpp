@@ -6,6 +6,7 @@
 #include "radar/plot.hpp"
 #include "radar/sensor.hpp"
 #include "tracker/association_events.hpp"
+#include "tracker/class_belief.hpp"
 #include "tracker/existence.hpp"
 #include "tracker/measurement.hpp"
 #include "tracker/plot_cluster.hpp"
@@ -48,6 +49,8 @@ struct TrackerSettings {
   ExistenceSettings existence{};
   /// Instead of the IMM; with kNearest, kEkf and a bank without guards and trailing states.
   std::optional<ParticleSettings> particles{};
+  /// What targets may be; of size 0 where nothing is said of it.
+  TargetClasses classes{};
 
   bool is_joint() const { return association == Association::kJpda || association == Association::kJpdaStar; }
   bool has_existence() const {
@@ -85,8 +88,12 @@ class Tracker {
   /// Room for looks of so many plots: they then allocate nothing.
   void reserve(std::size_t plots);
 
-  /// A confirmed track from a given belief.
+  /// A confirmed track from a given belief, of any class by the prior.
   Track start(TrackId id, std::string name, const Gaussian& belief) const;
+  /// How important its target is beside its class.
+  void set_target_weight(Track& track, double weight) const;
+  /// A plot that is the target's for certain, of which the kinematic belief knows already: what it was begun by.
+  void declare(Track& track, const Sensor& sensor, const Plot& plot);
 
   /// The belief that one plot gives: its position with the covariance of the converted measurement, and a zero
   /// velocity with the given 1-sigma on each component. Empty where the sensor's measurement is no position.
@@ -98,10 +105,17 @@ class Tracker {
   /// Associates the plots of the look made for this track and updates it. `others` are the tracks that may have plots
   /// in it too: predicted to the time of the look, the track itself may be among them. Plots that
   /// are not finite are passed over. Only this track is touched.
+  ///
+  /// Its class moves first, then each plot counts by its probability, of which what it declares is a part:
+  ///   pi+_k = sum_i beta_i P(k | d_i) + beta_0 pi_k,  beta_i the probability that plot i is the target's
+  /// exact where class and state are independent before the look (the moments of tracker/association_events.hpp); with
+  /// kNearest the plot chosen counts as certain.
+  /// Source   Bar-Shalom, Kirubarajan, Gokberk (2005), IEEE T-AES 41(3): classification-aided association.
   LookOutcome look(Track& track, const Sensor& sensor, const Dwell& dwell, std::span<const Plot> plots,
                    std::span<const Track> others = {});
 
-  /// The same for the part of a surveillance look that lies about a tentative track: nothing is out of the beam.
+  /// The same for the part of a surveillance look that lies about a tentative track: nothing is out of the beam, and
+  /// the class does not move.
   LookOutcome survey(Track& track, const Sensor& sensor, const Dwell& dwell, std::span<const Plot> plots);
 
   /// Sets `marked` of each plot in the track's gate.
@@ -109,6 +123,10 @@ class Tracker {
 
  private:
   void begin(Track& track, const Gaussian& belief) const;
+  LookOutcome observe(Track& track, const Sensor& sensor, const Dwell& dwell, std::span<const Plot> plots,
+                      std::span<const Track> others);
+  void weigh(Track& track) const;
+  void mix_classes(Track& track, const Sensor& sensor, std::span<const Plot> plots);
   void fail(Track& track);
   Numerics advance(Track& track);
   Numerics take(const Sensor& sensor, const Plot& plot, Track& track);
@@ -141,6 +159,7 @@ class Tracker {
   TrackSplitting splitting_;
   std::vector<TrackComponent> components_;
   std::vector<double> factor_;
+  Eigen::VectorXd class_mixture_;
 };
 
 }  // namespace dwell

@@ -32,6 +32,7 @@ class ConfigReader {
     }
     read_run();
     read_tracker(top_.child("tracker"), engine_);
+    if (top_.has("classes")) engine_.tracker.classes = read_classes(top_.child("classes"));
     read_sensors();
     read_targets();
     read_calibration(top_.child("calibration"), engine_.calibration);
@@ -39,8 +40,9 @@ class ConfigReader {
     if (config_.effective.policy().kind_case() == v1::Policy::KIND_NOT_SET) {
       config_.effective.mutable_policy()->mutable_sa_imm();
     }
+    const bool has_classes = top_.has("classes");
     const auto settings =
-        read_policy(*config_.effective.mutable_policy(), policy, static_cast<int>(engine_.sensors.size()));
+        read_policy(*config_.effective.mutable_policy(), policy, static_cast<int>(engine_.sensors.size()), has_classes);
     if (settings) engine_.policy = *settings;
     FieldReader stream = top_.child("stream");
     read_endpoint(stream, config_.stream_bind);
@@ -71,9 +73,10 @@ class ConfigReader {
       engine_.sensors.push_back(std::move(sensor));
     };
     const Duration period = engine_.scan_period;
-    for (int i = 0; i < radars; ++i) add("radar", i, read_radar(top_.element("radar", i), period));
+    for (int i = 0; i < radars; ++i)
+      add("radar", i, read_radar(top_.element("radar", i), period, engine_.tracker.classes));
     for (int i = 0; i < linear; ++i) {
-      add("linear_sensor", i, read_linear_sensor(top_.element("linear_sensor", i), period));
+      add("linear_sensor", i, read_linear_sensor(top_.element("linear_sensor", i), period, engine_.tracker.classes));
     }
     top_.integer("looks_per_scan", 1, std::max(1, radars + linear), engine_.looks_per_scan);
     top_.integer("max_wait_turns", 0, 1'000'000, engine_.max_wait_turns);

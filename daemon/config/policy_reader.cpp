@@ -2,6 +2,10 @@
 
 #include <algorithm>
 
+#include "bandit/index.hpp"
+#include "bandit/look_ahead.hpp"
+#include "bandit/predicted_paths.hpp"
+
 namespace dwell {
 namespace {
 
@@ -82,11 +86,17 @@ PolicySettings read(FieldReader in, IndexSettings settings, int /*sensors*/) {
   return settings;
 }
 
+PolicySettings read(FieldReader in, GittinsHmmSettings settings, int /*sensors*/) {
+  in.number("discount", within(0.01, 0.95), 1.0, settings.discount);
+  return settings;
+}
+
 /// One row for each policy: the field of dwell.v1.Policy, what it does, and how its message is read.
 struct Row {
   const char* field;
   const char* summary;
   PolicySettings (*read)(FieldReader in, int sensors);
+  bool needs_classes = false;
 };
 
 template <class Settings>
@@ -110,13 +120,16 @@ constexpr Row kRows[] = {
     {"lookahead", "the least expected cost when later looks follow what is measured", read_row<LookAheadSettings>},
     {"orbit", "the largest price at which a track would be looked at now", read_row<OrbitSettings>},
     {"index", "the largest gain now and later, less the price of a look", read_row<IndexSettings>},
+    {"gittins_hmm", "the largest Gittins index of a class belief: identification alone", read_row<GittinsHmmSettings>,
+     true},
 };
 
 }  // namespace
 
-std::vector<PolicyDescription> describe_policies(int sensors) {
+std::vector<PolicyDescription> describe_policies(int sensors, bool classes) {
   std::vector<PolicyDescription> all;
   for (const Row& row : kRows) {
+    if (row.needs_classes && !classes) continue;
     v1::Policy policy;
     std::vector<Violation> none;
     PolicyDescription description{row.field, row.summary, {}};
@@ -132,7 +145,7 @@ std::vector<PolicyDescription> describe_policies(int sensors) {
   return all;
 }
 
-std::optional<PolicySettings> read_policy(v1::Policy& policy, FieldReader& reader, int sensors) {
+std::optional<PolicySettings> read_policy(v1::Policy& policy, FieldReader& reader, int sensors, bool classes) {
   const FieldDescriptor* kind = policy_kind(policy);
   if (kind == nullptr) {
     reader.refuse(v1::Policy::descriptor()->field(0)->name().c_str(), "",
@@ -140,19 +153,22 @@ std::optional<PolicySettings> read_policy(v1::Policy& policy, FieldReader& reade
     return std::nullopt;
   }
   for (const Row& row : kRows) {
-    if (kind->name() == row.field) return row.read(reader.child(row.field), sensors);
+    if (kind->name() != row.field) continue;
+    if (row.needs_classes && !classes) reader.refuse(row.field, "", "needs classes of targets");
+    return row.read(reader.child(row.field), sensors);
   }
   return std::nullopt;
 }
 
-std::optional<PolicySettings> read_policy(v1::Policy& policy, int sensors, std::vector<Violation>& violations) {
+std::optional<PolicySettings> read_policy(v1::Policy& policy, int sensors, bool classes,
+                                          std::vector<Violation>& violations) {
   if (policy_kind(policy) == nullptr) {
     violations.push_back({"policy", "", "must be one of: " + policy_names(policy)});
     return std::nullopt;
   }
   const std::size_t before = violations.size();
   FieldReader reader(policy, nullptr, violations);
-  auto settings = read_policy(policy, reader, sensors);
+  auto settings = read_policy(policy, reader, sensors, classes);
   return violations.size() == before ? settings : std::nullopt;
 }
 

@@ -14,8 +14,14 @@ namespace dwell {
 /// The sections of a config, one file each in this folder. Each reads its message into the domain struct and leaves
 /// what is wrong with it in the reader's violations.
 
-SensorConfig read_radar(FieldReader in, Duration scan_period);
-SensorConfig read_linear_sensor(FieldReader in, Duration scan_period);
+TargetClasses read_classes(FieldReader in);
+
+SensorConfig read_radar(FieldReader in, Duration scan_period, const TargetClasses& classes);
+SensorConfig read_linear_sensor(FieldReader in, Duration scan_period, const TargetClasses& classes);
+/// Of either sensor; empty where its plots declare no class.
+std::optional<Declaration> read_emission(FieldReader& in, const TargetClasses& classes);
+/// Of a target, from 0; empty where none is given.
+std::optional<int> read_target_class(FieldReader& in, const TargetClasses& classes);
 
 /// Simulation only: a radar's truth and faults.
 void read_radar_truth(FieldReader radar, SensorConfig& sensor);
@@ -65,6 +71,15 @@ Matrix row_major(const std::vector<double>& values, int rows, int columns) {
   }
   return matrix;
 }
+
+/// How far from one the sum of probabilities may be: printed ones are rounded.
+inline constexpr double kProbabilitySum = 1e-6;
+
+/// n x n probabilities, row-major, each row scaled to sum to one, which it does already but for rounding; empty where
+/// they are absent or refused.
+std::optional<Eigen::MatrixXd> read_stochastic(FieldReader& in, const char* field, int n);
+/// Refuses rows that do not sum to one.
+void check_probabilities(FieldReader& in, const char* field, const Eigen::MatrixXd& rows);
 
 /// Symmetric to 1e-9 of its largest element, and with a Cholesky factor.
 template <class Matrix>

@@ -70,7 +70,7 @@ void read_use(FieldReader& in, Duration scan_period, SensorConfig& sensor) {
 
 }  // namespace
 
-SensorConfig read_radar(FieldReader in, Duration scan_period) {
+SensorConfig read_radar(FieldReader in, Duration scan_period, const TargetClasses& classes) {
   SensorConfig sensor;
   RadarFigures figures;
   in.required("name");
@@ -108,12 +108,13 @@ SensorConfig read_radar(FieldReader in, Duration scan_period) {
   if (in.has("surveillance")) {
     sensor.surveillance_scans = read_surveillance(in.child("surveillance"), scan_period, figures);
   }
+  sensor.declaration = read_emission(in, classes);
   read_radar_truth(in, sensor);
   sensor.figures = figures;
   return sensor;
 }
 
-SensorConfig read_linear_sensor(FieldReader in, Duration scan_period) {
+SensorConfig read_linear_sensor(FieldReader in, Duration scan_period, const TargetClasses& classes) {
   SensorConfig sensor;
   LinearFigures figures;
   in.required("name");
@@ -129,6 +130,7 @@ SensorConfig read_linear_sensor(FieldReader in, Duration scan_period) {
   }
   in.number("detection_probability", above(0.0, 1.0), 1.0, figures.detection_probability);
   read_use(in, scan_period, sensor);
+  sensor.declaration = read_emission(in, classes);
   sensor.figures = figures;
   return sensor;
 }

@@ -259,6 +259,7 @@ TargetConfig read_target(FieldReader in, const EngineConfig& config, RecordingSh
   }
   in.number("weight", above(0.0, 1e9), 1.0, target.weight);
   in.flag("calibration_flight", target.calibration_flight);
+  target.target_class = read_target_class(in, config.tracker.classes);
   target.track_start = read_track_start(in.child("start"), config);
   return target;
 }

@@ -9,36 +9,33 @@
 namespace dwell {
 namespace {
 
-constexpr double kProbabilitySum = 1e-6;  // how far from one a row may be: printed probabilities are rounded
+/// A number without a default: where it is absent nothing stands for it.
+void required_number(FieldReader& in, const char* field, const Range& range, double& target) {
+  in.required(field);
+  if (in.has(field)) in.number(field, range, 1.0, target);
+}
 
 /// A motion with trailing states; empty where the mode has none of them.
 std::optional<TrailingMotion> read_trailing_motion(FieldReader& in) {
   if (in.has("constant_acceleration")) {
     FieldReader motion = in.child("constant_acceleration");
     ConstantAcceleration model{1.0};
-    motion.required("jerk_density");
-    if (motion.has("jerk_density")) motion.number("jerk_density", above(0.0, 1e12), 1.0, model.jerk_density);
+    required_number(motion, "jerk_density", above(0.0, 1e12), model.jerk_density);
     motion.number("start_sigma_mps2", above(0.0, 1e6), 1.0, model.start_sigma_mps2);
     return model;
   }
   if (in.has("singer")) {
     FieldReader motion = in.child("singer");
     Singer model{1.0, 1.0};
-    motion.required("sigma_mps2");
-    motion.required("time_constant_s");
-    if (motion.has("sigma_mps2")) motion.number("sigma_mps2", above(0.0, 1e6), 1.0, model.sigma_mps2);
-    if (motion.has("time_constant_s")) motion.number("time_constant_s", within(0.01, 1e6), 1.0, model.time_constant_s);
+    required_number(motion, "sigma_mps2", above(0.0, 1e6), model.sigma_mps2);
+    required_number(motion, "time_constant_s", within(0.01, 1e6), model.time_constant_s);
     return model;
   }
   if (in.has("unknown_turn_rate")) {
     FieldReader motion = in.child("unknown_turn_rate");
     UnknownTurnRate model{1.0, 1.0};
-    motion.required("acceleration_density");
-    motion.required("rate_density");
-    if (motion.has("acceleration_density")) {
-      motion.number("acceleration_density", above(0.0, 1e12), 1.0, model.acceleration_density);
-    }
-    if (motion.has("rate_density")) motion.number("rate_density", above(0.0, 1e6), 1.0, model.rate_density);
+    required_number(motion, "acceleration_density", above(0.0, 1e12), model.acceleration_density);
+    required_number(motion, "rate_density", above(0.0, 1e6), model.rate_density);
     motion.number("start_sigma_dps", above(0.0, 360.0), kDegree, model.start_sigma_radps);
     return model;
   }
@@ -66,15 +63,6 @@ Mode read_mode(FieldReader in, Duration scan_period) {
   }
   if (in.has("process_noise")) mode.noise = read_process_noise(in.child("process_noise"), scan_period);
   return mode;
-}
-
-void check_probabilities(FieldReader& in, const char* field, const Eigen::MatrixXd& rows) {
-  for (Eigen::Index i = 0; i < rows.rows(); ++i) {
-    const double sum = rows.row(i).sum();
-    if (std::abs(sum - 1.0) > kProbabilitySum) {
-      in.refuse(field, "row " + std::to_string(i + 1) + " sums to " + number_text(sum), "rows must sum to 1");
-    }
-  }
 }
 
 /// E with E E' = covariance; empty where that is not symmetric and positive semidefinite, to 1e-9 of its largest.
@@ -145,14 +133,9 @@ ModeBank read_modes(FieldReader& in, Duration scan_period) {
   }
   bank.transition = Eigen::MatrixXd::Identity(count, count);
   bank.initial_probability = Eigen::VectorXd::Constant(count, 1.0 / count);
-  const auto transition = in.numbers("transition", within(0.0, 1.0), {count * count});
-  const auto initial = in.numbers("initial_probability", within(0.0, 1.0), {count});
   if (count > 1 && in.count("transition") == 0) in.refuse("transition", "", "is required with more than one mode");
-  if (!transition.empty()) {
-    bank.transition = row_major<Eigen::MatrixXd>(transition, count, count);
-    check_probabilities(in, "transition", bank.transition);
-    bank.transition = bank.transition.rowwise().sum().cwiseInverse().asDiagonal() * bank.transition;
-  }
+  if (const auto transition = read_stochastic(in, "transition", count)) bank.transition = *transition;
+  const auto initial = in.numbers("initial_probability", within(0.0, 1.0), {count});
   if (!initial.empty()) {
     bank.initial_probability = row_major<Eigen::VectorXd>(initial, count, 1);
     check_probabilities(in, "initial_probability", bank.initial_probability.transpose());
@@ -294,6 +277,9 @@ void read_tracker(FieldReader in, EngineConfig& config) {
   if (config.tracker.association == Association::kIts &&
       std::any_of(config.bank.modes.begin(), config.bank.modes.end(), has_trailing)) {
     in.refuse("association", "ITS", "must stand with a bank without trailing states");
+  }
+  if (config.tracker.association == Association::kIts && config.tracker.classes.size() > 0) {
+    in.refuse("association", "ITS", "must stand without classes");
   }
   read_existence(in, config.scan_period, config.tracker);
   if (in.has("initiation")) read_initiation(in.child("initiation"), config.tracker.has_existence(), config.initiation);

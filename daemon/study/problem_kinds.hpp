@@ -39,7 +39,7 @@ struct ProblemKind {
   std::unique_ptr<StudyReport> (*study)(ParsedConfig config, const StudyRequest& request, const StudyWatch& watch);
 };
 
-/// The kind of a config. A new kind is its message in config.proto, its reader in daemon/config/, its file here with a
+/// The kind of a config. A new kind is its message in problem.proto, its reader in daemon/config/, its file here with a
 /// `study` function, and its row in problem_kinds.cpp.
 /// Errors of its `study`   InvalidInput with all that is wrong with the config and the policies.
 const ProblemKind& kind_of(const v1::Config& config);

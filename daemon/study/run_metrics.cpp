@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 
+#include "bandit/catalogue.hpp"
 #include "daemon/calibration_loop.hpp"
 #include "radar/assert.hpp"
 #include "tracker/metrics/continuity.hpp"

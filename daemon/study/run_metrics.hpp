@@ -36,7 +36,8 @@ struct RunResult {
 /// Names of the figures, with their units. All are of the scans of the window, and of living tracks: a track that is
 /// lost leaves the errors, so `tracks_lost` belongs beside them.
 ///   x_variance_m2, position_variance_m2   the filter's own, mean over scans and tracks
-///   weighted_variance_m2                  sum over tracks of weight x position variance, mean over scans
+///   weighted_variance_m2                  sum over tracks of weight x position variance, mean over scans; with classes
+///                                         the weight believed, whose mean is that of the true one
 ///   position_rms_m, x_rms_m, y_rms_m      true error, root mean square over scans and tracks
 ///   position_mse_m2                       its square, which averages over runs
 ///   nees                                  of the whole state at updates, mean

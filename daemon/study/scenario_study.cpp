@@ -20,7 +20,8 @@ std::vector<NamedPolicy> read_policies(const std::vector<std::string>& texts, co
   for (const std::string& text : texts) {
     auto message = parse_policy_text(text, violations);
     if (!message) continue;
-    const auto settings = read_policy(*message, static_cast<int>(config.engine.sensors.size()), violations);
+    const auto settings = read_policy(*message, static_cast<int>(config.engine.sensors.size()),
+                                      config.engine.tracker.classes.size() > 0, violations);
     if (settings) policies.push_back({text, *settings});
   }
   if (!violations.empty()) throw InvalidInput("--policies", violations);

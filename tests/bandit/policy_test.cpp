@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "bandit/catalogue.hpp"
+#include "bandit/round_robin.hpp"
 #include "bandit/value_table.hpp"
 #include "tests/allocations.hpp"
 #include "tests/bandit/scene.hpp"
@@ -25,7 +26,7 @@ struct NamedPolicy {
 
 std::vector<NamedPolicy> all_policies() {
   // A new policy is a new row here as well.
-  static_assert(std::variant_size_v<PolicySettings> == 14);
+  static_assert(std::variant_size_v<PolicySettings> == 15);
   SaImmSettings with_modes;
   with_modes.cost = SaImmSettings::Cost::kFull;
   with_modes.beta = 10.0;
@@ -53,7 +54,8 @@ std::vector<NamedPolicy> all_policies() {
           {"lookahead", LookAheadSettings{}},
           {"orbit", OrbitSettings{}},
           {"index", IndexSettings{}},
-          {"index_of_depth_one", IndexSettings{1}}};
+          {"index_of_depth_one", IndexSettings{1}},
+          {"gittins_hmm", GittinsHmmSettings{}}};
 }
 
 class EveryPolicy : public ::testing::TestWithParam<NamedPolicy> {

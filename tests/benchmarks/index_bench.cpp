@@ -64,9 +64,7 @@ void decide(benchmark::State& state, EngineConfig config, double seconds_a_scan)
 }
 
 /// Argument: targets, that cruise among three radars.
-void index_cruising(benchmark::State& state) {
-  decide(state, bench::scene(3, static_cast<int>(state.range(0))), 1.0);
-}
+void index_cruising(benchmark::State& state) { decide(state, bench::scene(3, static_cast<int>(state.range(0))), 1.0); }
 BENCHMARK(index_cruising)
     ->Arg(3)
     ->Arg(30)
@@ -81,12 +79,7 @@ void index_thirty_flights(benchmark::State& state) {
   const std::string file = std::string(DWELL_SOURCE_DIR) + "/daemon/scenarios/thirty_flights.textproto";
   decide(state, read_config_file(file).engine, 0.01 * static_cast<double>(state.range(0)));
 }
-BENCHMARK(index_thirty_flights)
-    ->Arg(100)
-    ->Arg(25)
-    ->Iterations(300)
-    ->UseManualTime()
-    ->Unit(benchmark::kMicrosecond);
+BENCHMARK(index_thirty_flights)->Arg(100)->Arg(25)->Iterations(300)->UseManualTime()->Unit(benchmark::kMicrosecond);
 
 }  // namespace
 }  // namespace dwell

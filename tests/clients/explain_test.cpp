@@ -49,6 +49,21 @@ v1::Snapshot one_scan() {
   return s;
 }
 
+TEST(Explain, SaysWhatTheTrackIsAndWhatThatMadeItWorth) {
+  v1::Snapshot s = one_scan();
+  EXPECT_THAT(text_of(s), AllOf(Not(HasSubstr("class")), Not(HasSubstr("weight"))));
+  s.add_class_name("calm");
+  s.add_class_name("threat");
+  for (v1::Candidate& candidate : *s.mutable_last_scan()->mutable_candidate()) candidate.set_weight(5.5);
+  v1::Track& second = *s.mutable_track(1);
+  second.add_class_belief(0.1);
+  second.add_class_belief(0.9);
+  second.set_weight(14.5);
+  EXPECT_THAT(text_of(s),
+              AllOf(HasSubstr("\nclass   threat .90 after the look; weight 5.5 when it was chosen, 14.5 now\n"),
+                    HasSubstr("  weight\n")));
+}
+
 TEST(Explain, SaysWhatWasChosenAndWhy) {
   EXPECT_EQ(text_of(one_scan()),
             "scan 12, policy sa_imm, 3 candidates\n"

@@ -79,7 +79,7 @@ TEST(TrackLine, HoldsOneFieldAColumn) {
   EXPECT_EQ(track_line(t, Names(snapshot(0)), 12'000'000'000),
             "      12.000     7 two_words                confirmed    120.000    -40.000    500.0 037      50.0 west"
             "         2.500 .90 .08 .02");
-  EXPECT_EQ(track_line_header().find("age_s"), track_line(t, Names(snapshot(0)), 12'000'000'000).find("2.500"));
+  EXPECT_EQ(track_line_header({}).find("age_s"), track_line(t, Names(snapshot(0)), 12'000'000'000).find("2.500"));
 }
 
 TEST(TrackLine, NeverShowsWhatIsNotFinite) {

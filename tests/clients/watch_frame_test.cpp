@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "clients/track_table.hpp"
 #include "clients/watch_frame.hpp"
 #include "tests/clients/fake_daemon.hpp"
 
@@ -58,6 +59,23 @@ TEST(WatchFrame, WideShowsEveryColumnNarrowTheEssential) {
   EXPECT_THAT(joined(watch_frame(picture, good(), {80, 24})), AllOf(HasSubstr("sigma m"), HasSubstr("age s")));
   const std::string narrow = joined(watch_frame(picture, good(), {24, 24}));
   EXPECT_THAT(narrow, AllOf(HasSubstr("E km"), HasSubstr("N km"), Not(HasSubstr("hdg"))));
+}
+
+TEST(WatchFrame, ShowsTheClassWhereThereAreClasses) {
+  v1::Snapshot s = snapshot(2);
+  EXPECT_THAT(joined(watch_frame(picture_of(s), good(), {200, 50})), Not(HasSubstr("class")));
+  s.add_class_name("calm");
+  s.add_class_name("a threat");
+  v1::Track& second = *s.mutable_track(1);
+  second.add_class_belief(0.07);
+  second.add_class_belief(0.93);
+  second.set_weight(18.7);
+  const std::string shown = joined(watch_frame(picture_of(s), good(), {200, 50}));
+  EXPECT_THAT(shown, AllOf(HasSubstr("class"), HasSubstr("weight"), testing::ContainsRegex("a threat .93 +18.7")));
+  const Names names(s);
+  EXPECT_THAT(track_line_header(names), HasSubstr("class p_class weight modes"));
+  EXPECT_THAT(track_line(second, names, 0), HasSubstr(" a_threat .93 18.7 "));
+  EXPECT_THAT(track_line(s.track(0), names, 0), HasSubstr(" - - - "));
 }
 
 TEST(WatchFrame, CountsTheTracksThatDoNotFit) {

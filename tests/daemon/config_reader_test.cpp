@@ -266,6 +266,12 @@ TEST(ConfigReader, TrackSplittingHasNoTrailingStates) {
               HasSubstr("must stand with a bank without trailing states"));
 }
 
+TEST(ConfigReader, TrackSplittingHasNoClasses) {
+  EXPECT_THAT(refusal_of(kRadar + kTarget + "tracker { association: ITS } " +
+                         "classes { class { name: \"a\" } class { name: \"b\" } }"),
+              HasSubstr("must stand without classes"));
+}
+
 TEST(ConfigReader, ParticlesTakeTheNearestPlotInTheEkfForm) {
   const auto refused = [](const std::string& tracker) {
     return refusal_of(kRadar + kTarget + "tracker { particles {} " + tracker + " }");

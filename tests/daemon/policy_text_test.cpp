@@ -20,14 +20,14 @@ std::vector<std::string> policy_names() {
 std::string effective(const std::string& text) {
   std::vector<Violation> violations;
   auto policy = parse_policy_text(text, violations);
-  if (policy) (void)read_policy(*policy, kSensors, violations);
+  if (policy) (void)read_policy(*policy, kSensors, true, violations);
   std::string refused;
   for (const Violation& violation : violations) refused += to_string("", violation) + "\n";
   return violations.empty() ? policy_text(*policy) : refused;
 }
 
 TEST(PolicyText, EveryPolicyOfTheSchemaIsDescribedWithEveryParameter) {
-  const auto policies = describe_policies(kSensors);
+  const auto policies = describe_policies(kSensors, true);
   ASSERT_EQ(policies.size(), policy_names().size());
   for (std::size_t i = 0; i < policies.size(); ++i) {
     EXPECT_EQ(policies[i].name, policy_names()[i]);
@@ -44,7 +44,7 @@ TEST(PolicyText, EveryPolicyOfTheSchemaIsDescribedWithEveryParameter) {
 }
 
 TEST(PolicyText, EveryPolicyByItsNameTakesTheDefaults) {
-  for (const PolicyDescription& policy : describe_policies(kSensors)) {
+  for (const PolicyDescription& policy : describe_policies(kSensors, true)) {
     std::string spelled_out = policy.name;
     for (const FieldDescription& parameter : policy.parameters) {
       spelled_out += ":" + parameter.name + "=" + parameter.default_value;
@@ -64,7 +64,7 @@ TEST(PolicyText, TextOfAPolicyReadsBackTheSame) {
 }
 
 TEST(PolicyText, EveryChoiceOfAnEnumIsTakenInEitherCase) {
-  for (const PolicyDescription& policy : describe_policies(kSensors)) {
+  for (const PolicyDescription& policy : describe_policies(kSensors, true)) {
     const auto* type = v1::Policy::descriptor()->FindFieldByName(policy.name)->message_type();
     for (int i = 0; i < type->field_count(); ++i) {
       const auto* choices = type->field(i)->enum_type();
@@ -120,14 +120,14 @@ TEST(PolicyText, AllViolationsAreListed) {
   auto policy = parse_policy_text("sa_imm:cost=y:depth=2:nodes=x:beta=-1", violations);
   EXPECT_EQ(violations.size(), 3);
   ASSERT_TRUE(policy.has_value());  // what is left can be checked against its rules, all in one answer
-  EXPECT_FALSE(read_policy(*policy, kSensors, violations));
+  EXPECT_FALSE(read_policy(*policy, kSensors, false, violations));
   EXPECT_EQ(violations.size(), 4);
 }
 
 TEST(PolicyText, MessageWithoutAPolicyListsTheValid) {
   v1::Policy empty;
   std::vector<Violation> violations;
-  EXPECT_FALSE(read_policy(empty, kSensors, violations));
+  EXPECT_FALSE(read_policy(empty, kSensors, false, violations));
   ASSERT_EQ(violations.size(), 1);
   EXPECT_THAT(violations[0].rule, HasSubstr("round_robin, fixed, largest_variance, sa_imm"));
   EXPECT_EQ(policy_text(empty), "");

@@ -16,7 +16,7 @@ using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
 struct Row {
-  std::string field;  // Message.field of config.proto
+  std::string field;  // Message.field of problem.proto
   std::string text;   // a problem with @ for the value
   std::string path;
   std::string rule;

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "bandit/catalogue.hpp"
 #include "daemon/config/config_reader.hpp"
 #include "daemon/encode.hpp"
 #include "tests/scale.hpp"

@@ -3,7 +3,7 @@
 import os
 import unittest
 
-from daemon import BUSY, Daemon, Ended, SystemTest, run, scaled, signal, without_epoch
+from daemon import BUSY, Daemon, Ended, SystemTest, run, scaled, scenario, signal, without_epoch
 from dwell.v1 import control_pb2, stream_pb2
 
 SCANS = scaled(3000)
@@ -27,6 +27,20 @@ class Replay(SystemTest):
             messages = daemon.stream().to_the_end()
             self.assertEqual(daemon.wait(), 0, daemon.log)
         return messages
+
+    def test_run_with_classes_is_repeated_byte_for_byte(self):
+        journal = self.path("journal")
+        with self.daemon(scenario("identification"), "--fast", "--wait-subscribers", 1, "--scans", 100, "--record",
+                         journal, high_water_mark=HIGH_WATER_MARK) as daemon:
+            original = daemon.stream().to_the_end()
+            self.assertEqual(daemon.wait(), 0, daemon.log)
+        beliefs = [track.class_belief for track in map(self.track, original) if track.class_belief]
+        self.assertGreaterEqual(len(beliefs), 6 * 100)
+        self.assertEqual(self.replayed(journal), original)
+
+    @staticmethod
+    def track(message):
+        return stream_pb2.Envelope.FromString(message[1]).track
 
     def commands(self, control):
         request = control_pb2.Request(id="policy", client="test")

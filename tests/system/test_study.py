@@ -125,7 +125,7 @@ class Study(SystemTest):
         code, _, log = self.study(config=self.path("missing.textproto"))
         self.assertEqual(code, 78, log)
         for arguments in (["--runs", 0], ["--threads", 0], ["--format", "xml"], ["--no-such-flag"], ["--seed", -1],
-                          ["--seed", 2 ** 64], ["--scans", "1.5"]):
+                          ["--seed", 2 ** 64], ["--scans", "1.5"], ["--policies", ""]):
             self.assertEqual(self.study(*arguments)[0], 2, arguments)
         for window in (["--from-s", 40, "--to-s", 30], ["--from-s", 61], ["--from-s", "nan"], ["--to-s", 0.5]):
             code, _, log = self.study("--scans", 60, *window)

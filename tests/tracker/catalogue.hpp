@@ -13,12 +13,14 @@
 /// here.
 namespace dwell::catalogue {
 
-struct NamedMotion {
+template <class Model>
+struct Named {
   std::string name;
-  Motion motion;
-  friend void PrintTo(const NamedMotion& row, std::ostream* out) { *out << row.name; }
+  Model model;
+  friend void PrintTo(const Named& row, std::ostream* out) { *out << row.name; }
 };
 
+using NamedMotion = Named<Motion>;
 static_assert(std::variant_size_v<Motion> == 2, "a new motion needs a row below");
 inline std::vector<NamedMotion> every_motion() {
   return {{"constant_velocity", ConstantVelocity{}},
@@ -29,12 +31,7 @@ inline std::vector<NamedMotion> every_motion() {
           {"hardly_a_turn", CoordinatedTurn{1e-12}}};
 }
 
-struct NamedNoise {
-  std::string name;
-  ProcessNoise noise;
-  friend void PrintTo(const NamedNoise& row, std::ostream* out) { *out << row.name; }
-};
-
+using NamedNoise = Named<ProcessNoise>;
 static_assert(std::variant_size_v<ProcessNoise> == 4, "a new noise needs a row below");
 inline std::vector<NamedNoise> every_noise() {
   return {{"none", NoProcessNoise{}},
@@ -45,12 +42,7 @@ inline std::vector<NamedNoise> every_noise() {
           {"diagonal", DiagonalNoise{{0.3, 0.3, 0.1, 0.1}, 0.5}}};
 }
 
-struct NamedTrailing {
-  std::string name;
-  TrailingMotion motion;
-  friend void PrintTo(const NamedTrailing& row, std::ostream* out) { *out << row.name; }
-};
-
+using NamedTrailing = Named<TrailingMotion>;
 static_assert(std::variant_size_v<TrailingMotion> == 3, "a new motion needs a row below");
 inline std::vector<NamedTrailing> every_trailing() {
   return {{"constant_acceleration", ConstantAcceleration{2.0}},
@@ -63,8 +55,8 @@ inline std::vector<NamedTrailing> every_trailing() {
 /// One mode of every motion, of either kind, with white noise.
 inline std::vector<Mode> every_mode() {
   std::vector<Mode> modes;
-  for (const NamedMotion& row : every_motion()) modes.push_back({row.name, row.motion, WhiteNoiseAcceleration{1.0}});
-  for (const NamedTrailing& row : every_trailing()) modes.push_back({row.name, {}, NoProcessNoise{}, row.motion});
+  for (const NamedMotion& row : every_motion()) modes.push_back({row.name, row.model, WhiteNoiseAcceleration{1.0}});
+  for (const NamedTrailing& row : every_trailing()) modes.push_back({row.name, {}, NoProcessNoise{}, row.model});
   return modes;
 }
 

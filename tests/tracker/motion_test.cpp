@@ -21,7 +21,7 @@ constexpr double kPi = std::numbers::pi;
 
 class MotionLaw : public testing::TestWithParam<NamedMotion> {
  protected:
-  Motion motion() const { return GetParam().motion; }
+  Motion motion() const { return GetParam().model; }
 };
 
 INSTANTIATE_TEST_SUITE_P(Every, MotionLaw, testing::ValuesIn(catalogue::every_motion()),

@@ -101,7 +101,7 @@ ModeBank bank_of(const std::string& name) {
   ModeBank bank;
   bank.modes.push_back({"cv", ConstantVelocity{}, WhiteNoiseAcceleration{0.1}, std::nullopt});
   for (const auto& row : catalogue::every_trailing()) {
-    if (trailing_kind(row.motion) == kind) bank.modes.push_back({row.name, {}, NoProcessNoise{}, row.motion});
+    if (trailing_kind(row.model) == kind) bank.modes.push_back({row.name, {}, NoProcessNoise{}, row.model});
   }
   const auto count = std::ssize(bank.modes);
   bank.transition = Eigen::MatrixXd::Constant(count, count, 0.05 / static_cast<double>(count));

@@ -25,8 +25,8 @@ constexpr double kClosedForm = 600.0 * kEpsilon;
 
 class NoiseLaw : public testing::TestWithParam<std::tuple<NamedMotion, NamedNoise>> {
  protected:
-  const Motion& motion() const { return std::get<0>(GetParam()).motion; }
-  const ProcessNoise& noise() const { return std::get<1>(GetParam()).noise; }
+  const Motion& motion() const { return std::get<0>(GetParam()).model; }
+  const ProcessNoise& noise() const { return std::get<1>(GetParam()).model; }
   StateMatrix q(double dt_s) const { return process_noise(motion(), noise(), dt_s); }
 };
 
@@ -101,10 +101,10 @@ TEST_P(WhiteNoise, EqualsItsIntegral) {
   const StateMatrix g = density * StateMatrix(State(0.0, 1.0, 0.0, 1.0).asDiagonal());
   for (const double dt_s : {1e-3, 0.3, 1.0, 6.0, 20.0}) {
     const StateMatrix expected = integrate(dt_s, [&](double s) {
-      const StateMatrix f = transition(GetParam().motion, s);
+      const StateMatrix f = transition(GetParam().model, s);
       return StateMatrix(f * g * f.transpose());
     });
-    const StateMatrix whole = process_noise(GetParam().motion, WhiteNoiseAcceleration{density}, dt_s);
+    const StateMatrix whole = process_noise(GetParam().model, WhiteNoiseAcceleration{density}, dt_s);
     EXPECT_TRUE(near(whole, expected, kClosedForm * scale_of(expected))) << dt_s;
   }
 }

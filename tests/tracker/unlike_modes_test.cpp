@@ -26,7 +26,7 @@ using catalogue::NamedTrailing;
 std::vector<NamedTrailing> every_linear() {
   std::vector<NamedTrailing> rows;
   for (const NamedTrailing& row : every_trailing()) {
-    if (is_linear(row.motion)) rows.push_back(row);
+    if (is_linear(row.model)) rows.push_back(row);
   }
   return rows;
 }
@@ -46,10 +46,10 @@ INSTANTIATE_TEST_SUITE_P(Every, TrailingLaw, testing::ValuesIn(every_trailing())
 TEST_P(TrailingLaw, IntervalsCompose) {
   for (const double a : {0.0, 0.125, 1.0, 3.5}) {
     for (const double b : {0.25, 1.0, 10.0}) {
-      const FullState x = some_state(is_linear(GetParam().motion) ? 3.0 : 0.3);
-      const Moved first = move(GetParam().motion, a, x);
-      const Moved second = move(GetParam().motion, b, first.mean);
-      const Moved both = move(GetParam().motion, a + b, x);
+      const FullState x = some_state(is_linear(GetParam().model) ? 3.0 : 0.3);
+      const Moved first = move(GetParam().model, a, x);
+      const Moved second = move(GetParam().model, b, first.mean);
+      const Moved both = move(GetParam().model, a + b, x);
       EXPECT_TRUE(near(second.f * first.f, both.f, 64.0 * kEpsilon * (second.f.cwiseAbs() * first.f.cwiseAbs())));
       const FullMatrix q = second.f * first.q * second.f.transpose() + second.q;
       const FullState sigma = both.q.diagonal().cwiseSqrt();
@@ -103,7 +103,7 @@ Mode mode_of(const TrailingMotion& motion) { return {"m", ConstantVelocity{}, No
 TEST(UnlikeModes, OneModeIsTheKalmanFilterOfSixStates) {
   RandomStream stream(1);
   for (const NamedTrailing& row : every_linear()) {
-    const DiscreteBank bank = bank_of({mode_of(row.motion)}, Eigen::MatrixXd::Ones(1, 1), 1.0);
+    const DiscreteBank bank = bank_of({mode_of(row.model)}, Eigen::MatrixXd::Ones(1, 1), 1.0);
     ImmEstimate estimate =
         make_estimate({State(0, 100, 0, -50), State(1e4, 1e2, 1e4, 1e2).asDiagonal()}, Eigen::VectorXd::Ones(1));
     ImmEstimate predicted;
@@ -111,7 +111,7 @@ TEST(UnlikeModes, OneModeIsTheKalmanFilterOfSixStates) {
     x.head<kStateSize>() = estimate.modes[0].mean;
     FullMatrix p = FullMatrix::Zero();
     p.topLeftCorner<kStateSize, kStateSize>() = estimate.modes[0].covariance;
-    p.bottomRightCorner<2, 2>() = start_sigma(row.motion).cwiseAbs2().asDiagonal();
+    p.bottomRightCorner<2, 2>() = start_sigma(row.model).cwiseAbs2().asDiagonal();
     Eigen::Matrix<double, 2, kMostStates> h = Eigen::Matrix<double, 2, kMostStates>::Zero();
     h(0, kX) = h(1, kY) = 1.0;
     const PositionSensor sensor(400.0 * Matrix2::Identity(), 1.0, 0.0);
@@ -122,7 +122,7 @@ TEST(UnlikeModes, OneModeIsTheKalmanFilterOfSixStates) {
       std::swap(estimate, predicted);
       ASSERT_EQ(predict_measurements(sensor, UpdateForm::kEkf, estimate, measurements), Numerics::kOk);
       ASSERT_EQ(update(measurements, std::vector<Vector2>{z - measurements[0].z}, estimate), Numerics::kOk);
-      const Moved moved = move(row.motion, 1.0, x);
+      const Moved moved = move(row.model, 1.0, x);
       p = moved.f * p * moved.f.transpose() + moved.q;
       const Eigen::Matrix<double, kMostStates, 2> gain =
           p * h.transpose() * (h * p * h.transpose() + 400.0 * Matrix2::Identity()).inverse();
