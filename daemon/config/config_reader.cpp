@@ -31,8 +31,8 @@ class ConfigReader {
       return std::move(violations_);
     }
     read_run();
-    read_tracker(top_.child("tracker"), engine_);
     if (top_.has("classes")) engine_.tracker.classes = read_classes(top_.child("classes"));
+    read_tracker(top_.child("tracker"), engine_);
     read_sensors();
     read_targets();
     read_calibration(top_.child("calibration"), engine_.calibration);
