@@ -248,6 +248,7 @@ void Tracker::conclude(Track& track, LookOutcome& outcome, double detection, dou
   }
   track.combined = combined;
   track.rejections = 0;
+  track.outlier.reset();
   if (outcome.used_plot) {
     track.status = TrackStatus::kConfirmed;
     track.restarted = false;

@@ -459,6 +459,18 @@ TEST(Reacquire, NotAnotherTracksPlotsNorFalseOnes) {
   EXPECT_EQ(looks_to_reacquire({0.0, 10.0}, 1e-12, false), 8);
 }
 
+TEST(Reacquire, OfTheLastTwoLooksBothWithoutFalsePlots) {
+  const PositionSensor clear(9.0 * Matrix2::Identity(), 0.9, 0.0);
+  const PositionSensor cluttered(9.0 * Matrix2::Identity(), 0.9, 1e-12);
+  Tracker tracker = one_mode_tracker({.association = Association::kPda});
+  Track track = tracker.start(TrackId{1}, "one", belief_at_origin());
+  const Plot far{kDwell.time, kDwell.radar, {5e3, 0.0}, std::nullopt};
+  look(tracker, track, {far}, clear);
+  EXPECT_TRUE(track.outlier);
+  look(tracker, track, {far}, cluttered);
+  EXPECT_FALSE(track.outlier);
+}
+
 // --- particles
 
 /// A target at 200 m/s seen four looks of five by a radar 50 km away; what each tracker makes of the same plots.

@@ -48,7 +48,6 @@ Times measure(const CalibrationLoop::Solve& solver, bool asks) {
 }
 
 TEST(ScanTime, ARunningSolveDelaysNoScan) {
-  if (!soak()) GTEST_SKIP() << "wall-clock times: ./dev soak";
   // One after the other, for as long as the scans go on: asked to stop, it goes on to the end of its solve.
   const auto solves = [](const CalibrationTask& task, const EstimatorSettings& settings) {
     CalibrationOutcome outcome;
