@@ -139,8 +139,8 @@ double PricedArm::action_cost(const PlanPoints::Point& point, int sensor, double
   return p_d * seen + (1.0 - p_d) * idle + price * arm_.dwell;
 }
 
-/// Gives the node its best action and finds its successors. Whether its action changed.
-bool PricedArm::choose(std::size_t k, double price) {
+/// Gives the node its action and finds its successors. Whether the action changed.
+bool PricedArm::choose(std::size_t k, double price, Rule rule) {
   const bool was_active = nodes_[k].active;
   const int before = nodes_[k].sensor;
   const double idle = points_.scan_cost().dot(points_[k].p) + discount_ * value_.value(points_[k].idle_successor);
@@ -156,6 +156,7 @@ bool PricedArm::choose(std::size_t k, double price) {
     }
   }
   if (was_active && least >= kept - kBetter * std::abs(kept)) best = before;
+  if (rule == Rule::kPlanned) best = published_sensor_[static_cast<std::size_t>(value_.best_plan(points_[k].p))];
   Node node{true, best, 0, 0};
   const double p_d = best < 0 ? 0.0 : arm_.sensors[static_cast<std::size_t>(best)].p_detect;
   // Copies: a new point may move the old ones.
@@ -183,8 +184,8 @@ void PricedArm::restart(double same_point) {
   for (std::size_t i = 0; i < starts.size(); ++i) seeds_[i] = find_or_add(starts[i]);
 }
 
-/// The greedy policy's graph from all seeds; what it does not reach is forgotten. How many actions changed.
-std::size_t PricedArm::follow(double price) {
+/// The policy's graph from all seeds; what it does not reach is forgotten. How many actions changed.
+std::size_t PricedArm::follow(double price, Rule rule) {
   too_many_ = false;
   std::vector<char> reached(points_.size(), 0);
   std::vector<int> open = seeds_;
@@ -193,7 +194,7 @@ std::size_t PricedArm::follow(double price) {
   while (!open.empty()) {
     const auto k = static_cast<std::size_t>(open.back());
     open.pop_back();
-    if (choose(k, price)) ++changed;
+    if (choose(k, price, rule)) ++changed;
     reached.resize(points_.size(), 0);
     for (const int next : {nodes_[k].detected, nodes_[k].missed}) {
       char& seen = reached[static_cast<std::size_t>(next)];
@@ -440,7 +441,21 @@ void PricedArm::publish(double price) {
   }
   published_cost_ = cost_(kept);
   published_work_ = work_(kept);
+  published_sensor_.clear();
+  for (const Eigen::Index k : kept) published_sensor_.push_back(nodes_[static_cast<std::size_t>(k)].sensor);
   value_ = ValueSet(weights_(Eigen::all, kept), published_cost_ + price * published_work_);
+}
+
+/// Whether V is below the plan made at some point, by more than what a covariance that counts as this one may differ.
+bool PricedArm::postpones(double price) const {
+  for (std::size_t k = 0; k < nodes_.size(); ++k) {
+    if (kept_[k] == 0) continue;
+    const auto at = static_cast<Eigen::Index>(k);
+    const double linear = weights_.col(at).dot(points_[k].p);
+    const double planned = linear + cost_[at] + price * work_[at];
+    if (planned - value_.value(points_[k].p) > points_.same_point() * linear) return true;
+  }
+  return false;
 }
 
 PricedValue PricedArm::solve(double price) {
@@ -470,20 +485,22 @@ PricedValue PricedArm::improve(double price) {
     PricedValue total;
     ValueSet value;
     Eigen::VectorXd cost, work;
+    std::vector<int> sensor;
   } best;
   PricedValue value;
+  Rule rule = Rule::kGreedy;
   int stalled = 0;
   for (int improvement = 0; improvement < settings_.improvements && stalled < kMostStalled; ++improvement) {
     points_.set_same_point(std::max(finest_, 0.5 * points_.same_point()));
-    std::size_t changed = follow(price);
+    std::size_t changed = follow(price, rule);
     full_ = too_many_;
     if (full_) {  // those of the policy before count as well
       restart(points_.same_point());
-      changed = follow(price);
+      changed = follow(price, rule);
     }
     while (too_many_ && points_.same_point() < kCoarsest) {
       restart(std::min(2.0 * points_.same_point(), kCoarsest));
-      changed = follow(price);
+      changed = follow(price, rule);
     }
     if (evaluate(price)) {
       publish(price);
@@ -499,14 +516,18 @@ PricedValue PricedArm::improve(double price) {
     }
     const double least = best.total.total(price);
     stalled = full_ && improvement > 0 && value.total(price) > (1.0 - kStalled) * least ? stalled + 1 : 0;
-    if (improvement == 0 || value.total(price) <= least) best = {value, value_, published_cost_, published_work_};
-    if (changed == 0) break;
+    if (improvement == 0 || value.total(price) <= least)
+      best = {value, value_, published_cost_, published_work_, published_sensor_};
     const bool settled = std::abs(value.total(price) - before) <= kSettled * std::abs(before);
-    if (settled && 100 * changed < points_.size()) break;
+    const bool ended = changed == 0 || (settled && 100 * changed < points_.size());
+    const bool in_vain = rule == Rule::kPlanned && (ended || value.total(price) > (1.0 - kStalled) * least);
+    if (in_vain || (ended && !postpones(price))) break;
+    rule = ended ? Rule::kPlanned : Rule::kGreedy;
   }
   value_ = std::move(best.value);
   published_cost_ = std::move(best.cost);
   published_work_ = std::move(best.work);
+  published_sensor_ = std::move(best.sensor);
   return best.total;
 }
 

@@ -44,6 +44,10 @@ struct PricedArmSettings {
 ///    average (b = 1), every walk ends in a cycle that has a mean, and where misses branch, by lazy sweeps
 ///    (mix .5: a periodic optimum makes plain ones oscillate). Parts that stay worse than others are dropped.
 /// 3. V is the least of the plans. Again until no action changes.
+/// 4. Then the plans made along the policy's cycle may all be above V by one and the same amount: another plan saves
+///    that once, on the way to the cycle, and as nothing is lost by beginning it a turn later the greedy actions put it
+///    off for ever. Where it is so, the actions are once those of the plans that attain V, which do begin it, and 1. to
+///    3. go on from there. With a discount a delay costs something, but little.
 ///
 /// The result is the cost of a policy that can be carried out, so an upper bound of the optimum at the price. Where no
 /// plan of an improved policy has a finite cost, the last policy stays.
@@ -73,6 +77,9 @@ class PricedArm {
     int missed = 0;
   };
 
+  /// Which action a node has: the best before V, or that of the plan that attains V there.
+  enum class Rule { kGreedy, kPlanned };
+
   double p_detect(const Node& node) const;
   const PlanPoints::LookMap& look_of(std::size_t k) const;
   double scans(std::size_t k) const;
@@ -82,8 +89,8 @@ class PricedArm {
   void restart(double same_point);
   void seed();
   double action_cost(const PlanPoints::Point& point, int sensor, double idle, double price) const;
-  bool choose(std::size_t k, double price);
-  std::size_t follow(double price);
+  bool choose(std::size_t k, double price, Rule rule);
+  std::size_t follow(double price, Rule rule);
   void keep_only(const std::vector<char>& reached);
   bool evaluate(double price);
   Packed backed_up_weight(std::size_t k) const;
@@ -93,6 +100,7 @@ class PricedArm {
   void solve_constants_by_cycles(double price);
   void solve_constants_by_sweeps(double price);
   void publish(double price);
+  bool postpones(double price) const;
   double gain_of_all_looks() const;
   PricedValue improve(double price);
 
@@ -113,6 +121,7 @@ class PricedArm {
   double price_ = 0.0;                   // of the last solution
   PricedValue mean_;
   Eigen::VectorXd published_cost_, published_work_;
+  std::vector<int> published_sensor_;  // with which each plan begins; -1 idle
   ValueSet value_;
 };
 
