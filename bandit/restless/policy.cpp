@@ -188,7 +188,10 @@ struct Make {
   std::unique_ptr<Policy> operator()(const IndexSettings& settings) const {
     std::vector<Closure> closures;
     for (const ValueSet& value : priced.values) closures.push_back({&value});
-    return std::make_unique<SearchRule>(problem, std::move(closures), priced.price, settings.depth);
+    const bool every_scan_has_its_looks =
+        std::all_of(problem.arms.begin(), problem.arms.end(), [](const Arm& arm) { return arm.dwell <= 1.0; });
+    const int depth = every_scan_has_its_looks ? settings.depth : 1;
+    return std::make_unique<SearchRule>(problem, std::move(closures), priced.price, depth);
   }
 };
 

@@ -41,6 +41,8 @@ struct LookaheadSettings {
 };
 struct WhittleSettings {};
 struct IndexSettings {
+  /// Scans looked ahead over. 1 where a dwell is above 1: the search takes every scan to have its looks, and many then
+  /// have none.
   int depth = 2;
 };
 

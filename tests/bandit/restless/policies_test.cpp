@@ -107,6 +107,16 @@ TEST(RestlessPolicies, UnequalDwellsShareTheCapacity) {
   }
 }
 
+/// Depth 2 takes the next scan to have a look, which it has not after one of dwell 2.
+TEST(RestlessPolicies, LongDwellsAreNotLookedAheadOver) {
+  Problem problem = s2a();
+  problem.arms[0].dwell = 2.0;
+  const Priced priced = analyse(problem).priced;
+  const auto shallow = make_policy(IndexSettings{1}, problem, priced);
+  const auto deep = make_policy(IndexSettings{2}, problem, priced);
+  EXPECT_EQ(simulate(problem, *deep, {}).cost, simulate(problem, *shallow, {}).cost);
+}
+
 /// Two looks a scan at two arms: each is looked at in every scan, whatever the policy.
 TEST(RestlessPolicies, EveryArmIsLookedAtWhereLooksSuffice) {
   Problem problem = s2a();
