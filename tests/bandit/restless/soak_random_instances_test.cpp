@@ -1,9 +1,12 @@
 // What is promised of the policies, over random instances, none chosen, and over the position-velocity tables.
 
+#include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstdio>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <fmt/format.h>
@@ -48,6 +51,9 @@ Problem random_problem(std::uint64_t seed) {
   return problem;
 }
 
+/// Costs that differ by less, relative, are those of the same looks: what the first scans leave.
+constexpr double kSame = 1e-6;
+
 struct Gaps {
   double sum = 0.0;
   double worst = 0.0;
@@ -80,73 +86,113 @@ std::string description(const Problem& problem) {
                      arm.dwell != 1.0 ? ", unequal dwells" : "");
 }
 
+struct Contender {
+  const char* name;
+  PolicySettings settings;
+};
+const std::array<Contender, 3> kContenders{
+    {{"index", IndexSettings{2}}, {"sa_imm", MyopicSettings{}}, {"orbit", OrbitSettings{}}}};
+
+/// Of one instance: one run, ten where looks miss, with the same draws for all policies.
+struct Outcome {
+  Bound bound;
+  std::array<double, kContenders.size()> mean{};   // cost
+  std::array<double, kContenders.size()> error{};  // standard, of the mean
+  double half_width = 0.0;                         // of 95 % of what index costs more than sa_imm
+
+  double gap_percent(std::size_t i) const { return 100.0 * (mean[i] / bound.value - 1.0); }
+  /// What index costs more than sa_imm, as a part of that.
+  double loss() const { return (mean[0] - mean[1]) / mean[1]; }
+  bool lost() const { return loss() > 0.005 && mean[0] - mean[1] > half_width; }
+};
+
+Outcome outcome_of(std::uint64_t seed) {
+  const Problem problem = random_problem(seed);
+  const Analysis analysis = analyse(problem);
+  Outcome outcome;
+  outcome.bound = analysis.bound;
+  const bool misses = problem.arms.front().sensors.front().p_detect < 1.0;
+  const int runs = misses ? 10 : 1;
+  std::vector<double> differences(static_cast<std::size_t>(runs));
+  for (std::size_t i = 0; i < kContenders.size(); ++i) {
+    const auto policy = make_policy(kContenders[i].settings, problem, analysis.priced);
+    double square = 0.0;
+    for (int run = 0; run < runs; ++run) {
+      SimulationSettings settings;
+      settings.random = RandomStream(seed).fork(static_cast<std::uint64_t>(run));
+      settings.scans = 4000;
+      settings.warm_up = 500;
+      const double cost = simulate(problem, *policy, settings).cost;
+      outcome.mean[i] += cost / runs;
+      square += cost * cost / runs;
+      if (i < 2) differences[static_cast<std::size_t>(run)] += i == 0 ? cost : -cost;
+    }
+    const double variance = square - outcome.mean[i] * outcome.mean[i];
+    outcome.error[i] = runs > 1 ? std::sqrt(std::max(0.0, variance) / (runs - 1)) : 0.0;
+  }
+  outcome.half_width = half_width_of_95_percent(differences);
+  return outcome;
+}
+
+/// Of seeds 1 .. `count`, on all processors.
+std::vector<Outcome> outcomes_of(std::uint64_t count) {
+  std::vector<Outcome> outcomes(count);
+  std::atomic<std::uint64_t> next = 0;
+  std::vector<std::jthread> workers;
+  for (unsigned i = 0; i < std::max(1u, std::thread::hardware_concurrency()); ++i) {
+    workers.emplace_back([&] {
+      for (std::uint64_t at = next++; at < count; at = next++) outcomes[at] = outcome_of(at + 1);
+    });
+  }
+  workers.clear();
+  return outcomes;
+}
+
 /// Seeds 1 .. 200. No policy is below a bound that is one, within four standard errors of what is drawn; the mean gap
 /// of the index is below that of the myopic rule.
 TEST(RestlessSoak, IndexOverRandomInstances) {
-  const auto instances = static_cast<std::uint64_t>(scaled(200));
-  const std::array<std::pair<const char*, PolicySettings>, 3> policies{
-      {{"index", IndexSettings{2}}, {"sa_imm", MyopicSettings{}}, {"orbit", OrbitSettings{}}}};
-  std::array<Gaps, 3> gaps;
-  int bounds = 0;
-  double losses = 0.0, gained = 0.0;
-  int wins = 0, lost = 0;
-  double largest_loss = 0.0;
-  for (std::uint64_t seed = 1; seed <= instances; ++seed) {
-    const Problem problem = random_problem(seed);
-    const Analysis analysis = analyse(problem);
-    const bool is_bound = analysis.bound.kind != BoundKind::kReference;
+  const std::vector<Outcome> outcomes = outcomes_of(static_cast<std::uint64_t>(scaled(200)));
+  std::array<Gaps, kContenders.size()> gaps;
+  int bounds = 0, wins = 0, losses = 0;
+  double gained = 0.0, lost = 0.0, largest_gain = 0.0, largest_loss = 0.0;
+  for (std::size_t at = 0; at < outcomes.size(); ++at) {
+    const Outcome& outcome = outcomes[at];
+    const std::uint64_t seed = at + 1;
+    const bool is_bound = outcome.bound.kind != BoundKind::kReference;
     bounds += is_bound ? 1 : 0;
-    const bool misses = problem.arms.front().sensors.front().p_detect < 1.0;
-    const int runs = misses ? 10 : 1;
-    std::array<double, 3> mean{};
-    std::vector<double> differences(static_cast<std::size_t>(runs));  // index less sa_imm, of the same draws
-    for (std::size_t i = 0; i < policies.size(); ++i) {
-      const auto policy = make_policy(policies[i].second, problem, analysis.priced);
-      double square = 0.0;
-      for (int run = 0; run < runs; ++run) {
-        SimulationSettings settings;
-        settings.random = RandomStream(seed).fork(static_cast<std::uint64_t>(run));
-        settings.scans = 4000;
-        settings.warm_up = 500;
-        const double cost = simulate(problem, *policy, settings).cost;
-        mean[i] += cost / runs;
-        square += cost * cost / runs;
-        if (i < 2) differences[static_cast<std::size_t>(run)] += i == 0 ? cost : -cost;
-      }
-      const double error = runs > 1 ? std::sqrt(std::max(0.0, square - mean[i] * mean[i]) / (runs - 1)) : 0.0;
-      const double gap = 100.0 * (mean[i] / analysis.bound.value - 1.0);
-      gaps[i].add(gap, seed);
+    for (std::size_t i = 0; i < kContenders.size(); ++i) {
+      gaps[i].add(outcome.gap_percent(i), seed);
       if (is_bound) {
-        EXPECT_GE(mean[i] + 4.0 * error, analysis.bound.value * (1.0 - 1e-8)) << policies[i].first << " seed " << seed;
+        EXPECT_GE(outcome.mean[i] + 4.0 * outcome.error[i], outcome.bound.value * (1.0 - 1e-8))
+            << kContenders[i].name << " seed " << seed;
       }
     }
-    const double part = (mean[0] - mean[1]) / mean[1];
-    const double half_width = half_width_of_95_percent(differences) / mean[1];
-    if (part < 0.0) {
+    const double loss = outcome.loss();
+    if (loss < -kSame) {
       ++wins;
-      gained += -part;
+      gained -= loss;
+      largest_gain = std::max(largest_gain, -loss);
     }
-    if (part > 0.005 && part > half_width) {
-      ++lost;
-      losses += part;
-      largest_loss = std::max(largest_loss, part);
-      std::printf("seed %d: index %.6g, sa_imm %.6g, worse by %.2f %% +- %.2f, bound %.6g; %s\n",
-                  static_cast<int>(seed), mean[0], mean[1], 100.0 * part, 100.0 * half_width, analysis.bound.value,
-                  description(problem).c_str());
-      std::fflush(stdout);
-    }
+    if (!outcome.lost()) continue;
+    ++losses;
+    lost += loss;
+    largest_loss = std::max(largest_loss, loss);
+    std::printf("seed %d: index %.6g, sa_imm %.6g, worse by %.2f %% +- %.2f, bound %.6g; %s\n", static_cast<int>(seed),
+                outcome.mean[0], outcome.mean[1], 100.0 * loss, 100.0 * outcome.half_width / outcome.mean[1],
+                outcome.bound.value, description(random_problem(seed)).c_str());
   }
-  const auto count = static_cast<double>(instances);
+  const auto count = static_cast<double>(outcomes.size());
   std::printf("%.0f instances, %d with an exact or certified bound\n", count, bounds);
-  for (std::size_t i = 0; i < policies.size(); ++i) {
-    std::printf("%s: mean gap %.2f %%, worst %.2f %% (seed %d)\n", policies[i].first, gaps[i].sum / count,
+  for (std::size_t i = 0; i < kContenders.size(); ++i) {
+    std::printf("%s: mean gap %.2f %%, worst %.2f %% (seed %d)\n", kContenders[i].name, gaps[i].sum / count,
                 gaps[i].worst, static_cast<int>(gaps[i].worst_seed));
   }
   std::printf(
-      "index better than sa_imm in %.0f %%, by %.2f %% on average; worse by over .5 %% and its error in %.1f %%, by "
-      "%.2f %% on average, %.2f %% at most\n",
-      100.0 * wins / count, wins > 0 ? 100.0 * gained / wins : 0.0, 100.0 * lost / count,
-      lost > 0 ? 100.0 * losses / lost : 0.0, 100.0 * largest_loss);
+      "index better than sa_imm in %.1f %%, by %.2f %% on average, %.2f %% at most; worse by over .5 %% and its error "
+      "in "
+      "%.1f %%, by %.2f %% on average, %.2f %% at most\n",
+      100.0 * wins / count, wins > 0 ? 100.0 * gained / wins : 0.0, 100.0 * largest_gain, 100.0 * losses / count,
+      losses > 0 ? 100.0 * lost / losses : 0.0, 100.0 * largest_loss);
   EXPECT_LT(gaps[0].sum, gaps[1].sum);
 }
 
