@@ -197,7 +197,7 @@ TEST(RestlessSoak, IndexOverRandomInstances) {
 }
 
 /// What is promised of the default against certified bounds: 2 % with four targets, 3 % with eight. The bounds
-/// themselves are up to .7 % below the best policies known.
+/// themselves are up to .12 % below the best policies known.
 TEST(RestlessSoak, IndexOfDepthTwoIsNearTheCertifiedBounds) {
   const struct {
     const char* name;
