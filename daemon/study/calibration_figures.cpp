@@ -24,7 +24,10 @@ Trial try_estimate(const Engine& engine, bool joint, std::span<const Correction>
   const CalibrationTask task = engine.calibrator().task(engine.last().scan, joint);
   Trial trial;
   trial.estimate = solve(task, {}).estimate;
-  if (const auto information = plot_information(task.window, *task.motion, truth)) trial.information = *information;
+  const Eigen::VectorXd sigma = sigmas_of(task.prior).replicate(std::ssize(truth), 1);
+  if (const auto information = observed_information(task.window, *task.motion, truth, sigma)) {
+    trial.information = *information;
+  }
   return trial;
 }
 

@@ -101,7 +101,7 @@ CalibrationEstimate estimate_corrections(const CalibrationWindow& window, const 
   VectorXd theta = begin;
   EstimatorStatus status = EstimatorStatus::kNotConverged;
   for (int left = settings.most_iterations; left > 0 && status == EstimatorStatus::kNotConverged;) {
-    const auto metric = plot_information(window, motion, unstacked(theta), Information::kComplete);
+    const auto metric = complete_information(window, motion, unstacked(theta));
     if (!metric) return failed(EstimatorStatus::kNotFinite);
     const auto coordinates = whitening(*metric, sigma);
     if (!coordinates) return failed(EstimatorStatus::kNotPositive);
