@@ -55,9 +55,8 @@ inline constexpr double kOutlierProbability = 1e-3;
 /// Scalar   T: + - * / exp log sqrt atan2; derivatives through all of it, the linearisation point included. Whatever of
 ///          dual numbers GCC leaves to calls is five times slower: hence `flatten`.
 /// Cost     O(plots M^2 n^2 + plots M n^3) in T.
-/// Source   Bar-Shalom, Li, Kirubarajan (2001), 11.6.6; Bar-Shalom, Daum, Huang (2009) for the outliers; Schweppe
-/// (1965)
-///          for the decomposition.
+/// Source   Bar-Shalom, Li, Kirubarajan (2001), 11.6.6; the outliers: Bar-Shalom, Daum, Huang (2009); the
+///          decomposition: Schweppe (1965).
 template <class T>
 class InnovationFilter {
  public:
