@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -17,14 +16,20 @@ constexpr std::uint64_t kMostPlots = 100'000;  // the latest, as in the config
 /// One run: what was estimated, and what could be.
 struct Trial {
   CalibrationEstimate estimate;
-  Eigen::MatrixXd information;  // of the plots, at the truth
+  Eigen::MatrixXd information;  // of the plots, at the truth; empty where it is not finite
+  Eigen::VectorXd score;        // there
 };
 
 Trial try_estimate(const Engine& engine, bool joint, std::span<const Correction> truth) {
   const CalibrationTask task = engine.calibrator().task(engine.last().scan, joint);
   Trial trial;
   trial.estimate = solve(task, {}).estimate;
-  if (const auto information = plot_information(task.window, *task.motion, truth)) trial.information = *information;
+  const Eigen::VectorXd sigma = sigmas_of(task.prior).replicate(std::ssize(truth), 1);
+  const auto information = observed_information(task.window, *task.motion, truth, sigma);
+  double cost = 0.0;
+  if (information && negative_log_likelihood(task.window, *task.motion, stacked(truth), cost, trial.score)) {
+    trial.information = *information;
+  }
   return trial;
 }
 
@@ -90,21 +95,36 @@ void divide(CalibrationFigures& figures) {
   }
 }
 
-/// Of the mean information of the runs, with the prior: its expectation under the schedule.
+/// C = (I + Lambda)^-1 of the runs' mean information, and C (S + Lambda) C of their mean square score S.
 void set_bounds(const std::vector<std::optional<Trial>>& trials, const CorrectionPrior& prior,
                 CalibrationFigures& figures) {
   const auto size = std::ssize(figures.radars) * kCorrectionSize;
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(size, size);
-  int count = 0;
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(size, size);
+  Eigen::MatrixXd squared_score = information;
+  std::vector<const Trial*> valid;
   for (const auto& trial : trials) {
     if (!trial || trial->information.size() == 0) continue;
-    sum += trial->information;
-    ++count;
+    information += trial->information;
+    squared_score += trial->score * trial->score.transpose();
+    valid.push_back(&*trial);
   }
-  const auto root = whitening(sum / std::max(count, 1), sigmas_of(prior).replicate(std::ssize(figures.radars), 1));
+  const auto count = static_cast<double>(std::max(valid.size(), std::size_t{1}));
+  const Eigen::VectorXd sigma = sigmas_of(prior).replicate(std::ssize(figures.radars), 1);
+  const auto root = whitening(information / count, sigma);
+  if (!root) return;
+  const Eigen::MatrixXd c = *root * root->transpose();
+  squared_score /= count;
+  squared_score.diagonal() += sigma.cwiseAbs2().cwiseInverse();
   for (Eigen::Index i = 0; i < size; ++i) {
-    figures.radars[i / kCorrectionSize].parameters[i % kCorrectionSize].bound =
-        root ? root->row(i).norm() : std::numeric_limits<double>::quiet_NaN();
+    CalibratedParameter& parameter = figures.radars[i / kCorrectionSize].parameters[i % kCorrectionSize];
+    parameter.bound = std::sqrt(c(i, i));
+    parameter.misspecified = std::sqrt(c.col(i).dot(squared_score * c.col(i)));
+    double squared = 0.0;  // d c_ii = -c_i' dI c_i
+    for (const Trial* trial : valid) {
+      const double off = c.col(i).dot((trial->information - information / count) * c.col(i));
+      squared += off * off;
+    }
+    parameter.bound_error = std::sqrt(squared) / count / (2.0 * parameter.bound);
   }
 }
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <atomic>
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -12,12 +13,18 @@ namespace dwell {
 
 /// One parameter of one radar over the runs, in its own unit (radians, log factors).
 struct CalibratedParameter {
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
   double truth = 0.0;
   double mean = 0.0;
   double squared_error = 0.0;   ///< mean
   double standard_error = 0.0;  ///< as reported, mean
-  double bound = 0.0;           ///< Cramer-Rao: of the runs' mean information at the truth, with the prior; NaN: none
-  int within_two = 0;           ///< runs whose error is within so many reported standard errors
+  double bound = kNone;         ///< Cramer-Rao: of the runs' mean information at the truth, with the prior; NaN: none
+  double bound_error = kNone;   ///< its standard error, of so many runs
+  /// The root mean square error, to first order, of targets that may not move as the prior says: by the mean square
+  /// score at the truth, which is the information where they do. Huber (1967), White (1982).
+  double misspecified = kNone;
+  int within_two = 0;  ///< runs whose error is within so many reported standard errors
   int within_three = 0;
   int observable = 0;  ///< runs that report it so
 };

@@ -32,6 +32,8 @@ Json json_of(const CalibratedRadar& radar, int kind, int solved) {
           {"rms_error", std::sqrt(p.squared_error) / unit},
           {"standard_error", p.standard_error / unit},
           {"bound", p.bound / unit},
+          {"bound_error", p.bound_error / unit},
+          {"misspecified", p.misspecified / unit},
           {"within_2", static_cast<double>(p.within_two) / solved},
           {"within_3", static_cast<double>(p.within_three) / solved},
           {"observable", static_cast<double>(p.observable) / solved}};

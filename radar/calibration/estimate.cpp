@@ -14,19 +14,6 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// C = root root'.
-std::optional<MatrixXd> posterior_root(const CalibrationWindow& window, const MotionPrior& motion,
-                                       std::span<const Correction> theta, const VectorXd& sigma) {
-  const auto observed = plot_information(window, motion, theta);
-  if (auto root = observed ? whitening(*observed, sigma) : std::nullopt) return root;
-  const auto complete = plot_information(window, motion, theta, Information::kComplete);
-  if (!complete) return std::nullopt;
-  constexpr double kStep = 0.1;  // standard errors, of the least that they can be
-  const VectorXd least = (complete->diagonal() + sigma.cwiseAbs2().cwiseInverse()).cwiseSqrt().cwiseInverse();
-  const auto second = curvature(window, motion, stacked(theta), kStep * least);
-  return second ? whitening(*second, sigma) : std::nullopt;
-}
-
 /// The plots that at `theta` are likelier the target's than not.
 CalibrationWindow without_outliers(const CalibrationWindow& window, const MotionPrior& motion,
                                    std::span<const Correction> theta) {
@@ -95,7 +82,8 @@ void complete(const CalibrationWindow& window, const MotionPrior& motion, std::s
               const CorrectionPrior& prior, CalibrationEstimate& result) {
   const std::vector<Correction> end = unstacked(result.value);
   const VectorXd sigma = sigmas_of(prior).replicate(std::ssize(start), 1);
-  const auto root = posterior_root(window, motion, end, sigma);
+  const auto information = observed_information(window, motion, end, sigma);
+  const auto root = information ? whitening(*information, sigma) : std::nullopt;
   if (!root) {
     result.status = EstimatorStatus::kNotPositive;
     return;

@@ -16,6 +16,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int kIterationsOfARound = 15;
+/// Of the log posterior: what a round may gain where the one before had come to the top.
+constexpr double kNothing = 1e-3;
 
 /// The posterior in coordinates phi: theta = start + transform phi.
 class Posterior final : public ceres::FirstOrderFunction {
@@ -97,11 +99,12 @@ CalibrationEstimate estimate_corrections(const CalibrationWindow& window, const 
   if (!is_finite(window) || !in_bounds(begin)) return failed(EstimatorStatus::kNotFinite);
 
   const VectorXd sigma = sigmas_of(settings.prior).replicate(radars, 1);
-  // Far from the end the coordinates of the start fit badly: a round that has not converged is begun again in new ones.
+  // Far from the end the coordinates of the start fit badly, and steps that are too small there look like the top: it
+  // is one when a round in coordinates of its own finds nothing higher.
   VectorXd theta = begin;
   EstimatorStatus status = EstimatorStatus::kNotConverged;
   for (int left = settings.most_iterations; left > 0 && status == EstimatorStatus::kNotConverged;) {
-    const auto metric = plot_information(window, motion, unstacked(theta), Information::kComplete);
+    const auto metric = complete_information(window, motion, unstacked(theta));
     if (!metric) return failed(EstimatorStatus::kNotFinite);
     const auto coordinates = whitening(*metric, sigma);
     if (!coordinates) return failed(EstimatorStatus::kNotPositive);
@@ -113,6 +116,7 @@ CalibrationEstimate estimate_corrections(const CalibrationWindow& window, const 
     status = solve(problem, *posterior, iterations, settings.time_limit_s, phi, gain);
     left -= iterations;
     theta = posterior->theta(phi);
+    if (status == EstimatorStatus::kDone && gain > kNothing) status = EstimatorStatus::kNotConverged;
     result.log_likelihood_gain += gain;
     result.evaluations += posterior->evaluations();
   }

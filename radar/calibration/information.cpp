@@ -50,16 +50,14 @@ std::vector<RadarParameters<Dual>> dual_parameters(const VectorXd& theta, int ac
 /// Derivatives of one mode's innovation by all parameters.
 struct Sensitivity {
   Eigen::Matrix2Xd nu;
-  Eigen::Matrix3Xd s;  // s00, s01, s11
-  Eigen::RowVectorXd log_weight;
+  Eigen::Matrix3Xd s;   // s00, s01, s11
   double weight = 0.0;  // given the plot
   Matrix2 covariance;
 };
 
 /// Of one plot.
-MatrixXd information_of(std::span<const Sensitivity> modes, Eigen::Index size, Information kind) {
+MatrixXd information_of(std::span<const Sensitivity> modes, Eigen::Index size) {
   MatrixXd information = MatrixXd::Zero(size, size);
-  Eigen::RowVectorXd mean = Eigen::RowVectorXd::Zero(size);
   for (const Sensitivity& mode : modes) {
     if (mode.weight < 1e-12) continue;
     const Matrix2 root = mode.covariance.llt().matrixL();
@@ -74,15 +72,11 @@ MatrixXd information_of(std::span<const Sensitivity> modes, Eigen::Index size, I
       s.col(k) << white(0, 0), std::sqrt(2.0) * white(0, 1), white(1, 1);
     }
     information += mode.weight * (nu.transpose() * nu + 0.5 * s.transpose() * s);
-    if (kind == Information::kComplete) continue;
-    information -= mode.weight * mode.log_weight.transpose() * mode.log_weight;
-    mean += mode.weight * mode.log_weight;
   }
-  return information + mean.transpose() * mean;
+  return information;
 }
 
-MatrixXd information(const CalibrationWindow& window, const MotionPrior& motion, const VectorXd& theta,
-                     Information kind) {
+MatrixXd information(const CalibrationWindow& window, const MotionPrior& motion, const VectorXd& theta) {
   const auto modes = static_cast<std::size_t>(motion.initial_probability.size());
   std::vector<Sensitivity> all(window.plots.size() * modes);
   InnovationFilter<Dual> filter(window, motion);
@@ -96,13 +90,11 @@ MatrixXd information(const CalibrationWindow& window, const MotionPrior& motion,
         if (active == 0) {
           out.nu.resize(2, theta.size());
           out.s.resize(3, theta.size());
-          out.log_weight.resize(theta.size());
         }
         for (int k = 0; k < 2; ++k) out.nu.row(k).segment<kCorrectionSize>(first) = in.nu[k].v.transpose();
         out.s.row(0).segment<kCorrectionSize>(first) = in.s(0, 0).v.transpose();
         out.s.row(1).segment<kCorrectionSize>(first) = in.s(0, 1).v.transpose();
         out.s.row(2).segment<kCorrectionSize>(first) = in.s(1, 1).v.transpose();
-        out.log_weight.segment<kCorrectionSize>(first) = in.log_weight.v.transpose();
         out.weight = std::exp(in.log_weight.a - log_density.a);
         out.covariance << in.s(0, 0).a, in.s(0, 1).a, in.s(1, 0).a, in.s(1, 1).a;
       }
@@ -111,7 +103,7 @@ MatrixXd information(const CalibrationWindow& window, const MotionPrior& motion,
   }
   MatrixXd sum = MatrixXd::Zero(theta.size(), theta.size());
   for (std::size_t plot = 0; plot < window.plots.size(); ++plot) {
-    sum += information_of(std::span(all).subspan(plot * modes, modes), theta.size(), kind);
+    sum += information_of(std::span(all).subspan(plot * modes, modes), theta.size());
   }
   return sum;
 }
@@ -170,29 +162,35 @@ bool negative_log_likelihood(const CalibrationWindow& window, const MotionPrior&
   return std::isfinite(cost) && gradient.allFinite();
 }
 
-std::optional<MatrixXd> curvature(const CalibrationWindow& window, const MotionPrior& motion, const VectorXd& theta,
-                                  const VectorXd& step) {
-  MatrixXd second(theta.size(), theta.size());
+std::optional<MatrixXd> complete_information(const CalibrationWindow& window, const MotionPrior& motion,
+                                             std::span<const Correction> theta) {
+  if (!is_finite(window)) return std::nullopt;
+  MatrixXd result = information(window, motion, stacked(theta));
+  if (!result.allFinite()) return std::nullopt;
+  return result;
+}
+
+std::optional<MatrixXd> observed_information(const CalibrationWindow& window, const MotionPrior& motion,
+                                             std::span<const Correction> theta, const VectorXd& sigma) {
+  constexpr double kStep = 0.1;  // standard errors, of the least that they can be
+  const auto complete = complete_information(window, motion, theta);
+  if (!complete) return std::nullopt;
+  const VectorXd least = (complete->diagonal() + sigma.cwiseAbs2().cwiseInverse()).cwiseSqrt().cwiseInverse();
+  const VectorXd at = stacked(theta);
+  MatrixXd second(at.size(), at.size());
   double cost = 0.0;
   VectorXd ahead;
   VectorXd behind;
-  for (Eigen::Index k = 0; k < theta.size(); ++k) {
-    const VectorXd move = step[k] * VectorXd::Unit(theta.size(), k);
-    if (!negative_log_likelihood(window, motion, theta + move, cost, ahead) ||
-        !negative_log_likelihood(window, motion, theta - move, cost, behind)) {
+  for (Eigen::Index k = 0; k < at.size(); ++k) {
+    const double step = kStep * least[k];
+    const VectorXd move = step * VectorXd::Unit(at.size(), k);
+    if (!negative_log_likelihood(window, motion, at + move, cost, ahead) ||
+        !negative_log_likelihood(window, motion, at - move, cost, behind)) {
       return std::nullopt;
     }
-    second.col(k) = (ahead - behind) / (2.0 * step[k]);
+    second.col(k) = (ahead - behind) / (2.0 * step);
   }
   return 0.5 * (second + second.transpose());
-}
-
-std::optional<MatrixXd> plot_information(const CalibrationWindow& window, const MotionPrior& motion,
-                                         std::span<const Correction> theta, Information kind) {
-  if (!is_finite(window)) return std::nullopt;
-  MatrixXd result = information(window, motion, stacked(theta), kind);
-  if (!result.allFinite()) return std::nullopt;
-  return result;
 }
 
 std::vector<double> mean_nis(const CalibrationWindow& window, const MotionPrior& motion,

@@ -9,26 +9,15 @@
 
 namespace dwell {
 
-enum class Information {
-  kComplete,  ///< as if each plot's mode were known: never indefinite, a metric wherever a solve begins
-  kObserved,  ///< of the mixture
-};
-
-/// What a window's plots say of all radars' corrections at `theta`, without a prior: 5 R x 5 R, stacked radar by radar
-/// in the order of CorrectionKind. Empty where it is not finite. At the true parameters its inverse is the Cramer-Rao
-/// bound of the window under the motion prior.
+/// What a window's plots would say of all radars' corrections at `theta` if each plot's mode were known, without a
+/// prior: 5 R x 5 R, stacked radar by radar in the order of CorrectionKind. Empty where it is not finite. Never
+/// indefinite: a metric wherever a solve begins. With one mode it is the Fisher information of the innovations.
 ///
-/// The information is the observed one of a mixture whose components enter by their expected (Fisher) information:
+///   I = sum_i sum_j w_ij (dnu_j' S_j^-1 dnu_j + 1/2 tr(S_j^-1 dS_j S_j^-1 dS_j))
 ///
-///   I = sum_i sum_j w_ij (dnu_j' S_j^-1 dnu_j + 1/2 tr(S_j^-1 dS_j S_j^-1 dS_j)) - Var_w(d log c_j N_j)
-///
-/// w_ij the modes' weights given the plot, the outlier component (of no information) among them. With one mode it is
-/// the exact Fisher information of the innovations.
-///
-/// Source   Louis (1982), J. R. Stat. Soc. B 44, (3.1).
-std::optional<Eigen::MatrixXd> plot_information(const CalibrationWindow& window, const MotionPrior& motion,
-                                                std::span<const Correction> theta,
-                                                Information kind = Information::kObserved);
+/// w_ij the modes' weights given the plot, the outlier component (of no information) among them.
+std::optional<Eigen::MatrixXd> complete_information(const CalibrationWindow& window, const MotionPrior& motion,
+                                                    std::span<const Correction> theta);
 
 /// Mean NIS of each radar's plots at `theta`: sum_j w_j nu_j' S_j^-1 nu_j averaged, whose expectation is 2 under the
 /// model, mixtures included. 0 for a radar without plots.
@@ -42,10 +31,16 @@ double log_likelihood(const CalibrationWindow& window, const MotionPrior& motion
 bool negative_log_likelihood(const CalibrationWindow& window, const MotionPrior& motion, const Eigen::VectorXd& theta,
                              double& cost, Eigen::VectorXd& gradient);
 
-/// The second derivatives of minus log p at `theta`, by central differences of the gradient over +-`step`. Exact where
-/// the information above, whose components enter by their expectation, is not definite. Empty where it is not finite.
-std::optional<Eigen::MatrixXd> curvature(const CalibrationWindow& window, const MotionPrior& motion,
-                                         const Eigen::VectorXd& theta, const Eigen::VectorXd& step);
+/// The observed information at `theta`, without a prior: the second derivatives of minus log p, by central differences
+/// of the exact gradient over a tenth of the standard errors that `complete_information` and the prior's `sigma` leave.
+/// Its mean over windows at the true parameters is the Fisher information of the window under the motion prior. Empty
+/// where it is not finite.
+///
+/// Louis (1982) has it without differences: the complete information less the variance of the components' scores. With
+/// the components' expected information in the place of their observed one that is off by more than what is left: in
+/// one of thirty windows of recorded flights indefinite where the second derivatives are as usual.
+std::optional<Eigen::MatrixXd> observed_information(const CalibrationWindow& window, const MotionPrior& motion,
+                                                    std::span<const Correction> theta, const Eigen::VectorXd& sigma);
 
 /// Corrections as one vector, 5 R, and back.
 Eigen::VectorXd stacked(std::span<const Correction> corrections);

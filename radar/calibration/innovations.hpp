@@ -44,8 +44,10 @@ inline constexpr double kOutlierProbability = 1e-3;
 /// the plot an outlier of density u at probability eps:
 ///
 ///   p(z) = (1 - eps) sum_j c_j N(nu_j; 0, S_j) + eps u,        S_j = H P_j H' + R(theta)
-///   x_j += (1 - w0) K_j nu_j,   P_j -= (1 - w0) K_j S_j K_j',  w0 = eps u / p(z)
+///   x_j += w_j K_j nu_j,   w_j = (1 - eps) N_j / ((1 - eps) N_j + eps u)
+///   P_j -= w_j K_j S_j K_j' - w_j (1 - w_j) K_j nu_j nu_j' K_j'
 ///
+/// (the moments of probabilistic data association, mode by mode)
 /// so that -log p summed over the plots is the prediction-error decomposition of the likelihood. It differs from the
 /// tracker in two things: the chain mixes once a gap, not once a scan, and the modes' weights follow from the
 /// parameters at hand. Where the truth is known there is no filter: nu = z - h(truth), S = R.
@@ -53,7 +55,8 @@ inline constexpr double kOutlierProbability = 1e-3;
 /// Scalar   T: + - * / exp log sqrt atan2; derivatives through all of it, the linearisation point included. Whatever of
 ///          dual numbers GCC leaves to calls is five times slower: hence `flatten`.
 /// Cost     O(plots M^2 n^2 + plots M n^3) in T.
-/// Source   Bar-Shalom, Li, Kirubarajan (2001), 11.6.6; Schweppe (1965) for the decomposition.
+/// Source   Bar-Shalom, Li, Kirubarajan (2001), 11.6.6; the outliers: Bar-Shalom, Daum, Huang (2009); the
+///          decomposition: Schweppe (1965).
 template <class T>
 class InnovationFilter {
  public:
@@ -81,8 +84,7 @@ class InnovationFilter {
       const T log_outlier{std::log(kOutlierProbability * window_.outlier_density[plot.radar])};
       const T log_density = sum_of_exponentials(log_outlier);
       visit(i, std::span<const ModeInnovation<T>>(innovations_), log_outlier, log_density);
-      using std::exp;
-      update(T{1.0} - exp(log_outlier - log_density));
+      update(log_outlier);
     }
   }
 
@@ -208,24 +210,27 @@ class InnovationFilter {
     return largest + log(sum);
   }
 
-  /// `share` = 1 - w0: how much of the plot is believed to be the track's.
-  [[gnu::flatten]] void update(const T& share) {
+  [[gnu::flatten]] void update(const T& log_outlier) {
     using std::exp;
-    // Among themselves, also where the plot is so far off that each alone is zero.
-    T largest = innovations_[0].log_weight;
+    T largest = log_outlier;
     for (const auto& innovation : innovations_) {
       if (innovation.log_weight > largest) largest = innovation.log_weight;
     }
-    T detected{0.0};
-    for (const auto& innovation : innovations_) detected += exp(innovation.log_weight - largest);
+    const T outlier = exp(log_outlier - largest);
+    T density = outlier;
+    for (const auto& innovation : innovations_) density += exp(innovation.log_weight - largest);
     for (std::size_t j = 0; j < modes_.size(); ++j) {
       Mode& mode = modes_[j];
       const ModeInnovation<T>& seen = innovations_[j];
+      const T of_mode = exp(seen.log_weight - largest);
+      const T either = of_mode + mode.probability * outlier;
+      const T share = of_mode / either;
       const Eigen::Matrix<T, kStateSize, 2> gain = mode.ph * inverse(seen.s);
-      mode.x += share * (gain * seen.nu);
-      const CovarianceT less = share * (gain * mode.ph.transpose());
+      const StateT move = gain * seen.nu;
+      mode.x += share * move;
+      const CovarianceT less = share * (gain * mode.ph.transpose() - (T{1.0} - share) * (move * move.transpose()));
       mode.p -= (less + less.transpose()) * T{0.5};
-      mode.probability = (T{1.0} - share) * mode.probability + share * exp(seen.log_weight - largest) / detected;
+      mode.probability = either / density;
     }
   }
 

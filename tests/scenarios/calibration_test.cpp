@@ -68,11 +68,12 @@ void print(const CalibrationFigures& figures, Kind kind) {
   for (const CalibratedRadar& radar : figures.radars) {
     const CalibratedParameter& p = radar.parameters[static_cast<int>(kind)];
     std::printf(
-        "  %-10s truth %8.4f mean %8.4f rms error %7.4f reported %7.4f bound %7.4f within 2 %.3f 3 %.3f observable "
+        "  %-10s truth %8.4f mean %8.4f rms error %7.4f reported %7.4f bound %7.4f +- %.4f (%.4f misspecified) within "
+        "2 %.3f 3 %.3f observable "
         "%.2f  NIS %.2f -> %.2f, in its band %.2f -> %.2f, %.0f plots\n",
         radar.name.c_str(), p.truth / unit, p.mean / unit, std::sqrt(p.squared_error) / unit, p.standard_error / unit,
-        p.bound / unit, 1.0 * p.within_two / figures.solved, 1.0 * p.within_three / figures.solved,
-        1.0 * p.observable / figures.solved, radar.nis_before, radar.nis_after,
+        p.bound / unit, p.bound_error / unit, p.misspecified / unit, 1.0 * p.within_two / figures.solved,
+        1.0 * p.within_three / figures.solved, 1.0 * p.observable / figures.solved, radar.nis_before, radar.nis_after,
         1.0 * radar.in_band_before / figures.solved, 1.0 * radar.in_band_after / figures.solved, radar.plots);
   }
 }
@@ -100,9 +101,23 @@ double reported_by_chance(Kind kind, double bound, double limit) {
   return statistics::normal_cdf(-0.5 * std::log((1.0 - kReported) * bound / limit) / bound);
 }
 
+/// What a reported standard error may be off its bound where that is the mean of so many runs.
+double reported_tolerance(const CalibratedParameter& p) {
+  return kReported + statistics::normal_sum_band(1.0).high * p.bound_error / p.bound;
+}
+
+/// Of errors that are `misspecified` the share within two standard errors of the least that may be reported: at most
+/// 88 %. Simulated targets are asked for that. Of recorded flights, which do not move as the motion prior says, it is
+/// less where that moves what is estimated.
+double within_two_of_flights(const CalibratedParameter& p) {
+  const double ratio = 2.0 * (1.0 - kReported) * p.bound / p.misspecified;
+  return std::min(0.88, 1.0 - 2.0 * statistics::normal_cdf(-ratio));
+}
+
 /// A parameter is tried where its bound is at most a fifth of the change. Elsewhere it is not observable, which the
 /// reported standard errors decide: as far off the bound as they may be. A run without a result is a miss.
-void expect_known(const CalibrationFigures& figures, const Change& change, double within_three) {
+void expect_known(const CalibrationFigures& figures, const Change& change, bool simulated) {
+  const double within_three = simulated ? 0.98 : 0.95;
   ASSERT_GE(figures.solved, statistics::binomial_band(figures.runs, within_three).low) << figures.failure;
   for (const int i : change.radars) {
     const CalibratedParameter& p = figures.radars[i].parameters[static_cast<int>(change.kind)];
@@ -116,9 +131,10 @@ void expect_known(const CalibrationFigures& figures, const Change& change, doubl
       continue;
     }
     expect_share(p.within_three, figures.runs, within_three, 1.0);
-    expect_share(p.within_two, figures.runs, 0.88, 0.98);
+    const double within_two = simulated || !has_bound(figures) ? 0.88 : within_two_of_flights(p);
+    expect_share(p.within_two, figures.runs, within_two, 0.98);
     if (has_bound(figures)) {
-      EXPECT_NEAR(p.standard_error / p.bound, 1.0, kReported);
+      EXPECT_NEAR(p.standard_error / p.bound, 1.0, reported_tolerance(p));
     }
   }
 }
@@ -148,7 +164,7 @@ TEST_P(Calibration, FindsWhatIsWrongWithinWhatItReports) {
   const CalibrationFigures figures = study(changed(name, change), soaked(200, 1), false);
   std::printf("%s, %s, %d runs, %d with a result\n", name.c_str(), change.name, figures.runs, figures.solved);
   print(figures, change.kind);
-  expect_known(figures, change, simulated ? 0.98 : 0.95);
+  expect_known(figures, change, simulated);
   for (const CalibratedRadar& radar : figures.radars) {
     SCOPED_TRACE(radar.name);
     // Of one run the band holds 95 %; of the mean over runs it is what a model may be off.
@@ -185,7 +201,7 @@ TEST(CalibrationOfMatchedMotion, BringsTheNisIntoItsBand) {
   const CalibrationFigures figures = study(config, soaked(200, 1), false);
   std::printf("targets that move as the prior says, %s, %d runs\n", kChanges[0].name, figures.runs);
   print(figures, kChanges[0].kind);
-  expect_known(figures, kChanges[0], 0.98);
+  expect_known(figures, kChanges[0], true);
   for (const CalibratedRadar& radar : figures.radars) expect_share(radar.in_band_after, figures.solved, 0.95, 1.0);
 }
 
@@ -200,7 +216,7 @@ TEST_P(JointCalibration, FindsBiasesOfRecordedFlights) {
     std::printf("recorded_flights, %s, jointly, %s, %d runs\n", change.name, GetParam() ? "known truth" : "unknown",
                 figures.runs);
     print(figures, change.kind);
-    expect_known(figures, change, 0.95);
+    expect_known(figures, change, false);
     // All radars' biases, the right ones too: the error is that of the bound. Its mean square over n runs is
     // chi-square with n degrees of freedom.
     const auto band = statistics::chi_square_band(figures.solved);

@@ -118,7 +118,8 @@ TEST_P(CalibrationEstimator, OfTimeBiasesOnlyTheDifferencesAreSeen) {
   ASSERT_EQ(result.status, EstimatorStatus::kDone);
   Eigen::VectorXd common = Eigen::VectorXd::Zero(15);
   for (int radar = 0; radar < 3; ++radar) common[radar * kCorrectionSize + static_cast<int>(Kind::kTimeBias)] = 1.0;
-  EXPECT_GT(result.prior_share(common), 0.99);
+  // Plots that are all late are of a target that is early, F(b) x for x: of the same motion but for F(b) Q F(b)' for Q.
+  EXPECT_GT(result.prior_share(common), 0.95);
   for (int radar = 0; radar < 3; ++radar) {
     EXPECT_FALSE(result.observable(radar, Kind::kTimeBias));
     EXPECT_TRUE(result.difference_observable(radar, (radar + 1) % 3, Kind::kTimeBias));
