@@ -11,6 +11,7 @@ namespace dwell {
 void TrackPath::lay(const Situation& situation, std::size_t track, int scans) {
   DWELL_ASSERT(scans >= 1);
   situation_ = &situation;
+  track_ = track;
   const DiscreteBank& bank = *situation.bank;
   const auto modes = static_cast<std::size_t>(bank.size());
   const ImmEstimate& estimate = situation.tracks[track].estimate;
@@ -41,6 +42,25 @@ void TrackPath::lay(const Situation& situation, std::size_t track, int scans) {
       step.noise += here[j] * apart * apart.transpose();
     }
   }
+}
+
+/// Of now: the modes', each by its part of the position variance that a look could take away, for that is what is left
+/// where the target is in a mode whose footprint misses it. Later there is the one covariance.
+double TrackPath::in_footprint(int scan, std::size_t sensor, const StateMatrix& predicted) const {
+  const Sensor& with = *situation_->sensors[sensor];
+  const State& x = mean(scan);
+  if (scan > 0) return footprint_probability(with, {x, predicted}, x);
+  const ImmEstimate& estimate = situation_->tracks[track_].estimate;
+  double all = 0.0;
+  double inside = 0.0;
+  for (std::size_t j = 0; j < estimate.modes.size(); ++j) {
+    const Gaussian& mode = estimate.modes[j];
+    const double spread = position_block(mode.covariance).trace() + (position(mode.mean) - position(x)).squaredNorm();
+    const double part = estimate.probability[static_cast<Eigen::Index>(j)] * spread;
+    all += part;
+    if (part > 0.0) inside += part * footprint_probability(with, mode, x);
+  }
+  return inside / all;
 }
 
 StateMatrix TrackPath::predict(int scan, const StateMatrix& after) const {
@@ -86,8 +106,7 @@ double TrackPath::look(int scan, std::size_t sensor, const StateMatrix& predicte
   measurement.r = from.r;
   if (factorise(predicted, measurement) != Numerics::kOk) return 0.0;
   const StateMatrix after = updated_covariance(predicted, measurement, kalman_gain(predicted, measurement));
-  const State& x = mean(scan);
-  const double p = from.p_detect * footprint_probability(*situation_->sensors[sensor], {x, predicted}, x);
+  const double p = from.p_detect * in_footprint(scan, sensor, predicted);
   if (!after.allFinite() || !std::isfinite(p)) return 0.0;
   seen = after;
   return p;

@@ -13,7 +13,7 @@ namespace dwell {
 ///   P     -> sum_j mu_j[k] F_j P F_j' + Q[k],   Q[k] = sum_j mu_j[k] (Q_j + d_j d_j'),  d_j = F_j x[k-1] - x[k]
 ///
 /// A sensor sees it at x[k] with H, R and P_d there; a look leaves p M + (1 - p) P in the mean, p = P_d times the
-/// probability of the footprint (tracker/footprint.hpp), M by Joseph's form.
+/// probability of the footprint (tracker/footprint.hpp), now by the modes that may have left it, M by Joseph's form.
 /// An approximation of the IMM: every mode at the same mean and covariance. With one mode and a linear sensor it is
 /// exact.
 /// In later scans a sensor with a budget looks only where all that are up have one: what other tracks take of it is not
@@ -53,8 +53,10 @@ class TrackPath {
     Matrix2 r;
   };
   const View& view(int scan, std::size_t sensor);
+  double in_footprint(int scan, std::size_t sensor, const StateMatrix& predicted) const;
 
   const Situation* situation_ = nullptr;
+  std::size_t track_ = 0;
   bool one_motion_ = false;    // every mode moves alike
   bool budgets_bind_ = false;  // every sensor that is up has a budget
   std::vector<Step> steps_;

@@ -4,9 +4,7 @@
 #include <csignal>
 #include <cstdio>
 #include <iostream>
-#include <thread>
 
-#include <sys/resource.h>
 #include <sys/signalfd.h>
 #include <unistd.h>
 
@@ -23,6 +21,7 @@
 #include "daemon/flags.hpp"
 #include "daemon/service.hpp"
 #include "daemon/summary.hpp"
+#include "daemon/value_builder.hpp"
 
 namespace dwell {
 namespace {
@@ -134,29 +133,6 @@ std::uint64_t new_epoch() {
 void print(const std::string& text) {
   if (!(std::cout << text << std::flush)) throw std::runtime_error("cannot write to standard output");
 }
-
-/// Builds value sets beside the scans, when the processor has nothing better to do.
-class ValueBuilder {
- public:
-  explicit ValueBuilder(ValueTable& table) : table_(table), thread_([this] { build(); }) {}
-  ~ValueBuilder() {
-    table_.stop();
-    thread_.join();
-  }
-  ValueBuilder(const ValueBuilder&) = delete;
-  ValueBuilder& operator=(const ValueBuilder&) = delete;
-
- private:
-  void build() {
-    constexpr int kNice = 10;
-    (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);  // of this thread; without it all goes on
-    while (table_.build_next()) {
-    }
-  }
-
-  ValueTable& table_;
-  std::thread thread_;
-};
 
 void serve(const Flags& flags, const Plan& plan, int signals) {
   zmq::context_t context;

@@ -85,7 +85,7 @@ std::string study_table(const Study& study) {
                                                 quantile(policy.decision_us, 0.99)));
   }
   text += '\n';
-  for (const char* metric : {"position_mse_m2", "weighted_variance_m2", "tracks_lost"}) {
+  for (const char* metric : {"position_mse_m2", "weighted_mse_m2", "weighted_variance_m2", "tracks_lost"}) {
     const auto place = std::find(study.metrics.begin(), study.metrics.end(), metric) - study.metrics.begin();
     const auto pairs = paired_differences(study, static_cast<std::size_t>(place));
     if (!pairs.empty()) text += fmt::format("\n{}, paired by run, 95 % interval:\n", metric);

@@ -25,6 +25,7 @@ const std::vector<std::string> kTotals{"x_variance_m2",
                                        "x_rms_m",
                                        "y_rms_m",
                                        "position_mse_m2",
+                                       "weighted_mse_m2",
                                        "nees",
                                        "mode_errors",
                                        "tracks_lost",
@@ -35,7 +36,8 @@ const std::vector<std::string> kTotals{"x_variance_m2",
                                        "completeness",
                                        "track_breaks",
                                        "confirm_latency_s",
-                                       "false_tracks_per_h"};
+                                       "false_tracks_per_h",
+                                       "answered"};
 
 /// Sums of one target over the scans that count.
 struct TargetSums {
@@ -106,11 +108,13 @@ class Measurer {
       sample.track = static_cast<int>(report.looks.front().dwell.track.number);
     }
     double weighted = 0.0;
+    double weighted_error = 0.0;
     auto track = engine.tracks().begin();
     for (const TruthReport& truth : report.truth) {
       while (track->id != truth.track) ++track;
       add_track(engine, truth, *track, counts, sample);
       weighted += track->weight * position_block(track->combined.covariance).trace();
+      weighted_error += track->weight * (position(truth.state) - position(track->combined.mean)).squaredNorm();
     }
     if (counts) {
       for (const TargetTruth& target : engine.living_targets()) {
@@ -120,6 +124,9 @@ class Measurer {
       }
       false_ += static_cast<double>(engine.counts().tracks_false - false_before_);
       weighted_variance_ += weighted;
+      weighted_error_ += weighted_error;
+      decisions_ += report.decision.candidates.empty() ? 0.0 : 1.0;
+      fell_back_ += report.decision.fell_back ? 1.0 : 0.0;
       ++scans_;
       for (const LookReport& look : report.looks) looks_[look.dwell.radar.number - 1] += 1.0;
       lost_ += static_cast<double>(engine.counts().tracks_lost - lost_before_);
@@ -162,6 +169,7 @@ class Measurer {
                                 std::sqrt(all.squared_x / scans),
                                 std::sqrt(all.squared_y / scans),
                                 (all.squared_x + all.squared_y) / scans,
+                                weighted_error_ / std::max(scans_, 1.0),
                                 all.nees / std::max(all.updates, 1.0),
                                 all.mode_errors,
                                 lost_,
@@ -172,7 +180,8 @@ class Measurer {
                                 tracked / std::max(present, 1.0),
                                 breaks,
                                 latency_s / std::max(found, 1.0),
-                                hours > 0.0 ? false_ / hours : 0.0};
+                                hours > 0.0 ? false_ / hours : 0.0,
+                                decisions_ > 0.0 ? 1.0 - fell_back_ / decisions_ : 1.0};
     DWELL_ASSERT(figures.size() == kTotals.size());
     figures.insert(figures.end(), looks_.begin(), looks_.end());
     for (const TargetSums& target : targets_) figures.push_back(target.looks);
@@ -265,6 +274,9 @@ class Measurer {
   double false_ = 0.0;
   std::uint64_t false_before_ = 0;
   double weighted_variance_ = 0.0;
+  double weighted_error_ = 0.0;
+  double decisions_ = 0.0;
+  double fell_back_ = 0.0;
   double scans_ = 0.0;
 };
 

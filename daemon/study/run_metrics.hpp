@@ -40,6 +40,8 @@ struct RunResult {
 ///                                         the weight believed, whose mean is that of the true one
 ///   position_rms_m, x_rms_m, y_rms_m      true error, root mean square over scans and tracks
 ///   position_mse_m2                       its square, which averages over runs
+///   weighted_mse_m2                       sum over tracks of weight x squared position error, mean over scans: what
+///                                         weighted_variance_m2 promises
 ///   nees                                  of the whole state at updates, mean
 ///   mode_errors                           scans whose likeliest mode is not the true one (jump-Markov targets)
 ///   tracks_lost, starvation_scans         the longest run of scans of a living track without a look
@@ -53,6 +55,7 @@ struct RunResult {
 ///                                         target ended
 ///   confirm_latency_s                     from a target's first scan to its first track, mean over those found
 ///   false_tracks_per_h
+///   answered                              share of the decisions that the policy made itself, not one it fell back to
 ///   looks.radar.NAME, looks.track.NAME, position_rms_m.track.NAME
 std::vector<std::string> metric_names(const EngineConfig& config);
 

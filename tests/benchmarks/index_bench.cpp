@@ -8,6 +8,7 @@
 
 #include <benchmark/benchmark.h>
 
+#include "bandit/catalogue.hpp"
 #include "bandit/value_table.hpp"
 #include "daemon/config/config_reader.hpp"
 #include "daemon/study/run_metrics.hpp"
