@@ -161,7 +161,9 @@ TEST(ClutterSoak, LostInSteadyCruiseAgainstTheClear) {
     std::printf("%s, steady cruise, lost of %d: %d without clutter, %d at .3, ratio [%.2f, %.2f]\n", association, runs,
                 lost.clear, lost.cluttered, ratio.low, ratio.high);
     std::fflush(stdout);
-    if (association == std::string("ITS")) EXPECT_TRUE(lost.at_most_twice());
+    if (association == std::string("ITS")) {
+      EXPECT_TRUE(lost.at_most_twice());
+    }
   }
 }
 
