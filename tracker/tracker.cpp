@@ -152,6 +152,8 @@ LookOutcome Tracker::look(Track& track, const Sensor& sensor, const Dwell& dwell
 
 LookOutcome Tracker::observe(Track& track, const Sensor& sensor, const Dwell& dwell, std::span<const Plot> plots,
                              std::span<const Track> others) {
+  refused_plots_ += static_cast<std::uint64_t>(
+      std::count_if(plots.begin(), plots.end(), [](const Plot& plot) { return !plot.z.allFinite(); }));
   track.unseen_scans = 0;
   track.last_look = dwell.time;
   track.last_radar = dwell.radar;

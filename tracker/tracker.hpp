@@ -84,6 +84,8 @@ class Tracker {
   const DiscreteBank& bank() const { return bank_; }
   /// How often a track's numbers have failed.
   std::uint64_t failures() const { return failures_; }
+  /// Plots that looks have passed over, since a number of theirs was not finite.
+  std::uint64_t refused_plots() const { return refused_plots_; }
 
   /// Room for looks of so many plots: they then allocate nothing.
   void reserve(std::size_t plots);
@@ -104,7 +106,7 @@ class Tracker {
 
   /// Associates the plots of the look made for this track and updates it. `others` are the tracks that may have plots
   /// in it too: predicted to the time of the look, the track itself may be among them. Plots that
-  /// are not finite are passed over. Only this track is touched.
+  /// are not finite are passed over and counted. Only this track is touched.
   ///
   /// Its class moves first, then each plot counts by its probability, of which what it declares is a part:
   ///   pi+_k = sum_i beta_i P(k | d_i) + beta_0 pi_k,  beta_i the probability that plot i is the target's
@@ -150,6 +152,7 @@ class Tracker {
   TrackerSettings settings_;
   RandomStream particle_stream_;
   std::uint64_t failures_ = 0;
+  std::uint64_t refused_plots_ = 0;
   ImmEstimate scratch_;
   std::vector<PredictedMeasurement> measurements_;
   std::vector<Vector2> innovations_;

@@ -80,7 +80,8 @@ SensorConfig read_radar(FieldReader in, Duration scan_period, const TargetClasse
   in.number("beamwidth_deg", above(0.0, 90.0), kDegree, figures.beamwidth_rad);
   in.number("pulse_length_s", above(0.0, 1.0), 1.0, figures.pulse_length_s);
   in.decibel("snr_reference_db", within(-30.0, 120.0), figures.snr_reference);
-  in.number("reference_range_m", length_m(), 1.0, figures.reference_range_m);
+  // A millimetre: with the fourth power of what is less, R overflows at the ranges that there may be.
+  in.number("reference_range_m", within(1e-3, 1e9), 1.0, figures.reference_range_m);
   in.number("range_noise_floor_m", within(0.0, 1e9), 1.0, figures.range_noise_floor_m);
   in.number("azimuth_noise_floor_deg", within(0.0, 90.0), kDegree, figures.azimuth_noise_floor_rad);
   if (in.has("false_alarm_probability")) {

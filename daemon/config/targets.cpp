@@ -76,7 +76,7 @@ Area read_area(FieldReader in) {
   in.number("centre_y_m", place_m(), 1.0, area.centre_m.y());
   in.required("radius_m");
   if (in.has("radius_m")) in.number("radius_m", length_m(), 1.0, area.radius_m);
-  in.number("turn_rate_dps", above(0.0, 360.0), kDegree, area.turn_rate_radps);
+  in.number("turn_rate_dps", within(1e-9, 360.0), kDegree, area.turn_rate_radps);
   return area;
 }
 

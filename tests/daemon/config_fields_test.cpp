@@ -72,8 +72,8 @@ const std::vector<Row> kRows{
    not_finite_and({"0", "-1", "1.1"}), {"1e-15", "1"}},
   {"Radar.snr_reference_db", radar("snr_reference_db: @"), "radar[1].snr_reference_db", "must be in [-30, 120]",
    not_finite_and({"-30.1", "120.1"}), {"-30", "120"}},
-  {"Radar.reference_range_m", radar("reference_range_m: @"), "radar[1].reference_range_m", "must be in (0, 1000000000]",
-   not_finite_and({"0", "-1", "1000000001"}), {"1e-3", "1e9"}},
+  {"Radar.reference_range_m", radar("reference_range_m: @"), "radar[1].reference_range_m",
+   "must be in [0.001, 1000000000]", not_finite_and({"0", "-1", "0.0009", "1000000001"}), {"1e-3", "1e9"}},
   {"Radar.range_noise_floor_m", radar("range_noise_floor_m: @"), "radar[1].range_noise_floor_m",
    "must be in [0, 1000000000]", not_finite_and({"-0.1", "1000000001"}), {"0", "1e9"}},
   {"Radar.azimuth_noise_floor_deg", radar("azimuth_noise_floor_deg: @"), "radar[1].azimuth_noise_floor_deg",
@@ -192,7 +192,7 @@ const std::vector<Row> kRows{
   {"Area.radius_m", target("jump_markov { area { radius_m: @ } }"), "target[1].jump_markov.area.radius_m",
    "must be in (0, 1000000000]", not_finite_and({"0", "-1", "1000000001"}), {"1e-3", "1e9"}},
   {"Area.turn_rate_dps", target("vx_mps: 9 jump_markov { area { radius_m: 1 turn_rate_dps: @ } }"),
-   "target[1].jump_markov.area.turn_rate_dps", "must be in (0, 360]", not_finite_and({"0", "-1", "361"}),
+   "target[1].jump_markov.area.turn_rate_dps", "must be in [1e-09, 360]", not_finite_and({"0", "-1", "361"}),
    {"1e-9", "360"}},
   {"Recording.begin_s", target(kRecording + "begin_s: @ }"), "target[1].recording.begin_s",
    "must be in [0, 3000000000]", not_finite_and({"-1", "3000000001"}), {"0", "60"}},
@@ -419,6 +419,20 @@ TEST(ConfigFields, WhatIsAcceptedRunsUnderEveryPolicyAndPublishesFiniteNumbers) 
         for (const v1::Envelope& envelope : recorded.stream.envelopes) expect_finite(envelope);
         if (has_policy) break;
       }
+    }
+  }
+}
+
+// Every number at the ends of what a double holds, either sign.
+TEST(ConfigFields, TheEndsOfDoubleAreRefusedOrRun) {
+  for (const Row& row : kRows) {
+    for (const char* value : {"1e308", "-1e308", "5e-324"}) {
+      SCOPED_TRACE(row.field + ": " + value);
+      const std::string text = with(row, value);
+      if (!refusal_of(text).empty()) continue;
+      RecordedRun recorded(config_of(text));
+      recorded.scan(8);
+      for (const v1::Envelope& envelope : recorded.stream.envelopes) expect_finite(envelope);
     }
   }
 }

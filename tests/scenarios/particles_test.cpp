@@ -6,16 +6,19 @@
 // and a cue of 20 m and 5 m/s. With the 50 dB of the tables a plot is 2 cm long: no number of bootstrap particles that
 // one can wait for has any near it.
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "bandit/expected_cost.hpp"
 #include "radar/jump_markov_trajectory.hpp"
 #include "radar/linear_sensor.hpp"
 #include "radar/range_bearing_radar.hpp"
@@ -190,6 +193,106 @@ void compare(const Problem& problem) {
 
 TEST(ParticleFilters, OnTheModelOfLiuAndHwang) { compare(liu_hwang()); }
 TEST(ParticleFilters, OnTheModelOfEvans) { compare(evans()); }
+
+// --- the sensor-adaptive step
+
+/// Every history a mode of its own: to tr(W P) the parts of a mixture are all that there is, so that what ExpectedCost
+/// makes of it is the expectation over the particles, with no moments matched.
+ImmEstimate as_modes(std::span<const WeightedGaussian> histories) {
+  ImmEstimate estimate;
+  estimate.probability.resize(std::ssize(histories));
+  for (const WeightedGaussian& history : histories) {
+    estimate.probability[estimate.size()] = history.weight;
+    estimate.modes.push_back(history.belief);
+  }
+  return estimate;
+}
+
+/// Without those that weigh so little that the cubic cost of the above is for nothing.
+std::vector<WeightedGaussian> heavy(std::span<const WeightedGaussian> histories) {
+  constexpr double kLeast = 3e-3;
+  std::vector<WeightedGaussian> kept;
+  double sum = 0.0;
+  for (const WeightedGaussian& history : histories) {
+    if (history.weight < kLeast) continue;
+    kept.push_back(history);
+    sum += history.weight;
+  }
+  for (WeightedGaussian& history : kept) history.weight /= sum;
+  return kept;
+}
+
+/// What a look is worth by the moments of each mode, which sa_imm reads, and over the histories themselves.
+struct Gains {
+  double by_moments;
+  double exact;
+};
+
+struct CostErrors {
+  std::vector<double> of_cost;  // of every pair's expected cost, as a part of the cost without a look; ascending
+  int others = 0;               // scans at which the moments choose another pair
+  double worst_choice = 0.0;    // what its look is worth less, as a part of the best
+};
+
+CostErrors cost_errors(const std::string& name, int scans) {
+  EngineConfig config = scenario(name, SaImmSettings{});
+  config.tracker.update = UpdateForm::kEkf;
+  config.tracker.particles = ParticleSettings{};
+  Engine engine(config);
+  ExpectedCost cost({position_weight(), 0.0}, 5);
+  CostErrors errors;
+  const auto with_look = [&](const ImmEstimate& belief, const Sensor& sensor) {
+    double with = 0.0;
+    EXPECT_EQ(cost.with_look(belief, sensor, UpdateForm::kEkf, with), Numerics::kOk);
+    return with;
+  };
+  while (engine.last().scan < static_cast<std::uint64_t>(scans)) {
+    engine.scan();
+    std::vector<Gains> gains;
+    for (const Track& track : engine.tracks()) {
+      MarginalFilter filter = std::get<MarginalFilter>(*track.particles);
+      filter.predict();
+      const std::vector<WeightedGaussian> histories = heavy(filter.histories());
+      const ImmEstimate moments = moments_by_mode(histories, static_cast<int>(config.bank.modes.size()));
+      const ImmEstimate mixture = as_modes(histories);
+      const double without = cost.without_look(mixture);
+      for (const Sensor* sensor : engine.sensors()) {
+        const double by_moments = with_look(moments, *sensor);
+        const double exact = with_look(mixture, *sensor);
+        gains.push_back({without - by_moments, without - exact});
+        errors.of_cost.push_back(std::abs(by_moments - exact) / without);
+      }
+    }
+    const auto by = [&](double Gains::*gain) {
+      return std::max_element(gains.begin(), gains.end(),
+                              [&](const Gains& a, const Gains& b) { return a.*gain < b.*gain; });
+    };
+    const auto chosen = by(&Gains::by_moments);
+    const auto best = by(&Gains::exact);
+    errors.others += chosen == best ? 0 : 1;
+    errors.worst_choice = std::max(errors.worst_choice, 1.0 - chosen->exact / best->exact);
+  }
+  std::sort(errors.of_cost.begin(), errors.of_cost.end());
+  return errors;
+}
+
+// Evans et al. (2005), IV-C, has particles in the place of the IMM and the same sensor-adaptive step. sa_imm takes that
+// step on the moments of the particles' modes: an approximation, of which this is the error. The limits are those of
+// bandit/sa_imm.hpp.
+TEST(ParticleFilters, ExpectedCostByMomentsIsNearThatOfTheHistories) {
+  for (const char* name : {"liu_hwang", "evans_single", "evans_three", "recorded_flights"}) {
+    const int scans = soaked(60, 5);
+    const CostErrors errors = cost_errors(name, scans);
+    const std::size_t pairs = errors.of_cost.size();
+    std::printf(
+        "%-16s expected cost by moments, error: median %.1e  p95 %.1e  max %.1e; other choices %d of %d, worth "
+        "at most %.1e less\n",
+        name, errors.of_cost[pairs / 2], errors.of_cost[pairs * 95 / 100], errors.of_cost.back(), errors.others, scans,
+        errors.worst_choice);
+    EXPECT_LT(errors.of_cost.back(), 0.05) << name;
+    EXPECT_LT(errors.worst_choice, 0.02) << name;
+  }
+}
 
 }  // namespace
 }  // namespace dwell::testing

@@ -123,6 +123,7 @@ TEST(Consistency, NisIsInItsBandNineteenTimesOfTwenty) {
   Setting setting = linear_setting(kDensity);
   setting.scans = scaled(20000);
   const Sums matched = run(setting, 1);
+  RecordProperty("share_in_band", testing::PrintToString(static_cast<double>(matched.nis_in_band) / matched.plots));
   const statistics::Band share = statistics::binomial_band(matched.plots, 0.95);
   EXPECT_TRUE(share.contains(matched.nis_in_band)) << matched.nis_in_band << " of " << matched.plots;
   setting.believed_density = kDensity / 10.0;

@@ -65,7 +65,7 @@ TEST(MarginalFilter, OfOneModeIsTheKalmanFilter) {
     expected = kalman_step(one_mode(), 0, expected, z, unused);
     filter.predict();
     ASSERT_EQ(filter.update(kSensor, z), Numerics::kOk);
-    EXPECT_EQ(filter.histories(), 1U);
+    EXPECT_EQ(filter.histories().size(), 1U);
     const Gaussian mode = filter.estimate().modes[0];
     ASSERT_TRUE(near(mode.mean, expected.mean, 1e-12 * expected.mean.norm()));
     ASSERT_TRUE(near(mode.covariance, expected.covariance, 1e-12 * expected.covariance.norm()));
@@ -102,14 +102,14 @@ TEST(MarginalFilter, IsTheSumOverAllHistoriesWhileThereIsRoom) {
     EXPECT_TRUE(near(actual.modes[j].mean, expected.modes[j].mean, 1e-9));
     EXPECT_TRUE(near(actual.modes[j].covariance, expected.modes[j].covariance, 1e-9));
   }
-  EXPECT_EQ(filter.histories(), 128U);
+  EXPECT_EQ(filter.histories().size(), 128U);
 }
 
 TEST(MarginalFilter, KeepsNoMoreThanItsParticles) {
   MarginalFilter filter(two_modes(), kStart, Eigen::Vector2d(0.5, 0.5), 5, RandomStream(3));
   for (const Vector2& z : plots(50)) {
     filter.predict();
-    EXPECT_LE(filter.histories(), 10U);
+    EXPECT_LE(filter.histories().size(), 10U);
     ASSERT_EQ(filter.update(kSensor, z), Numerics::kOk);
     EXPECT_NEAR(filter.estimate().probability.sum(), 1.0, 1e-12);
   }

@@ -295,8 +295,44 @@ TEST(Look, PlotsThatAreNotFiniteArePassedOver) {
   Track alone = track;
   const std::vector<Plot> plots{plot_at(kNan, 0.0), plot_at(0.0, kNan), plot_at(kInfinity, 0.0), plot_at(4.0, 1.0)};
   EXPECT_EQ(look(tracker, track, plots).used_plot, 3u);
+  EXPECT_EQ(tracker.refused_plots(), 3u);
   look(tracker, alone, {plots[3]});
   expect_same_belief(track, alone);
+  EXPECT_EQ(tracker.refused_plots(), 3u);
+}
+
+// Every number a plot may bring, in each field, alone and beside a good one, twice on end: refused where it is not
+// finite, and otherwise a plot far away. The track stays finite, and its numbers do not fail.
+TEST(Look, NoNumberOfAPlotReachesTheTrack) {
+  RadarFigures figures;
+  figures.clutter_density = 1e-6;
+  const RangeBearingRadar radar{figures};
+  const Gaussian belief{{3e4, 100.0, 4e4, 0.0}, State(1e4, 1e2, 1e4, 1e2).asDiagonal()};
+  const Vector2 good = radar.measure(belief.mean);
+  for (const Association association : {Association::kNearest, Association::kPda, Association::kIpda,
+                                        Association::kJpda, Association::kJpdaStar, Association::kIts}) {
+    for (const UpdateForm form : {UpdateForm::kEkf, UpdateForm::kConverted, UpdateForm::kCubature}) {
+      for (const double value : {kNan, kInfinity, -kInfinity, 1e308, -1e308, 1e154, 5e-324, 0.0, -1.0}) {
+        for (const int field : {0, 1}) {
+          SCOPED_TRACE(testing::Message() << static_cast<int>(association) << " " << static_cast<int>(form) << " "
+                                          << value << " " << field);
+          Tracker tracker = named_tracker("cruise_and_turn", {.update = form, .association = association});
+          Track track = tracker.start(TrackId{1}, "one", belief);
+          Plot bad{kDwell.time, kDwell.radar, good, std::nullopt};
+          bad.z[field] = value;
+          const Plot right{kDwell.time, kDwell.radar, good, std::nullopt};
+          for (const std::vector<Plot>& plots : {std::vector{bad}, std::vector{bad, right}, std::vector{bad}}) {
+            tracker.predict(track);
+            look(tracker, track, plots, radar);
+          }
+          EXPECT_EQ(tracker.refused_plots(), std::isfinite(value) ? 0u : 3u);
+          EXPECT_EQ(tracker.failures(), 0u);
+          EXPECT_TRUE(track.alive());
+          EXPECT_TRUE(is_finite(track.combined) && track.estimate.probability.allFinite());
+        }
+      }
+    }
+  }
 }
 
 // No plot was outside the gate: it has no reason to widen.

@@ -37,8 +37,8 @@ class MarginalFilter {
 
   /// The histories of each mode, moment-matched, and the modes' weights: what policies and displays read of an IMM.
   ImmEstimate estimate() const { return moments_by_mode(histories_, bank_.size()); }
-  /// Histories now: at most particles x modes.
-  std::size_t histories() const { return histories_.size(); }
+  /// The belief itself: at most particles x modes histories, weights that sum to one.
+  std::span<const WeightedGaussian> histories() const { return histories_; }
 
  private:
   void resample();
