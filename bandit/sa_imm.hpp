@@ -17,7 +17,8 @@ namespace dwell {
 /// approximation. Against the expectation over 30 mode histories themselves the expected cost is wrong by .02 % in half
 /// of the pairs, 1 % in 95 of 100 and at most 2.7 %; of 240 scans 4 had another choice, worth at most .5 % less
 /// (tests/scenarios/particles_test.cpp, which allows 5 and 2 %). That expectation takes a hundred times as long and
-/// more. Source  Evans et al. (2005), IV-B; PAPERS: the expectation by ExpectedCost, not by plugging in a prediction.
+/// more.
+/// Source  Evans et al. (2005), IV-B; PAPERS: the expectation by ExpectedCost, not by plugging in a prediction.
 class SaImm final : public Policy {
  public:
   explicit SaImm(const SaImmSettings& settings);
